@@ -1,0 +1,355 @@
+"""The forest of options: a growable store with one owner, and the frozen view everyone reads."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ao2viz.core.decision import NO_OPTION
+from ao2viz.core.growth import GrowthEvent, GrowthKind
+from ao2viz.core.search import ANY_ACTION, Columns, Scratch, distance, find_nearest, make_scratch
+
+_FIRST_CAPACITY = 256
+
+
+@dataclass(frozen=True, eq=False)
+class ForestView:
+    """The options of a forest, one row each, at one revision; row i is option id i.
+
+    `N` counts options (cleansed ones included), `D` features, `A` actions, `L` extra links. The
+    arrays cannot be written to.
+    """
+
+    values: NDArray[np.float64]  # [N, D] in the environment's own units.
+    parents: NDArray[np.int64]  # [N] option ids, NO_OPTION at a root.
+    depths: NDArray[np.int64]  # [N] 0 at a root.
+    weights: NDArray[np.float64]  # [N, A] what each action is expected to earn.
+    visits: NDArray[np.int64]  # [N, A] how often each action was tried.
+    born: NDArray[np.int64]  # [N] the agent's step at which the option was made.
+    is_alive: NDArray[np.bool_]  # [N] False once cleansed; ids are never reused.
+    links: NDArray[np.int64]  # [L, 2] extra (parent, child) pairs beside the tree.
+    attention: NDArray[np.float64]  # [D] W of the paper's equation 1.
+    revision: int  # Raised by every change of structure.
+
+    def __len__(self) -> int:
+        """How many options are alive."""
+        return int(np.count_nonzero(self.is_alive))
+
+    @property
+    def best_actions(self) -> NDArray[np.int64]:
+        """[N] the action each option prefers; ties go to the first."""
+        return np.argmax(self.weights, axis=1)
+
+    def children_of(self, option: int) -> NDArray[np.int64]:
+        """Ids of the options below this one in the tree, the oldest first."""
+        return np.flatnonzero((self.parents == option) & self.is_alive)
+
+    def parents_of(self, option: int) -> NDArray[np.int64]:
+        """Every parent: the one in the tree first, then those of extra links."""
+        spine = self.parents[option : option + 1]
+        extra = self.links[self.links[:, 1] == option, 0]
+        return np.concatenate([spine[spine != NO_OPTION], extra])
+
+    def path_to(self, option: int) -> NDArray[np.int64]:
+        """Ids from the root down to this option."""
+        path = [option]
+        while (parent := int(self.parents[path[-1]])) != NO_OPTION:
+            path.append(parent)
+        return np.array(path[::-1], np.int64)
+
+    def distances_to(self, observation: NDArray[np.float64]) -> NDArray[np.float64]:
+        """[N] weighted L1 distance from an observation to every option (paper, equation 1).
+
+        Cleansed options get inf, so they never win an argmin.
+        """
+        gaps = np.abs(self.attention * observation - self.attention * self.values)
+        return np.where(self.is_alive, gaps.sum(axis=1), np.inf)
+
+
+@njit(cache=True)
+def _insert(columns: Columns, heads: NDArray[np.int64], row: int, parent: int) -> None:
+    columns.parents[row] = parent
+    if parent < 0:
+        columns.depths[row] = 0
+        columns.next_sibling[row] = heads[0]
+        heads[0] = row
+        return
+    columns.depths[row] = columns.depths[parent] + 1
+    columns.next_sibling[row] = columns.first_child[parent]
+    columns.first_child[parent] = row
+    _extend_reach(columns, row)
+
+
+@njit(cache=True)
+def _extend_reach(columns: Columns, row: int) -> None:
+    """Lets every ancestor know how far away this option is."""
+    ancestor = columns.parents[row]
+    while ancestor >= 0:
+        d = distance(columns.scaled, ancestor, columns.scaled[row])
+        if d > columns.reach[ancestor]:
+            columns.reach[ancestor] = d
+        ancestor = columns.parents[ancestor]
+
+
+@njit(cache=True)
+def add_row(
+    columns: Columns,
+    heads: NDArray[np.int64],
+    value: NDArray[np.float64],
+    scaled: NDArray[np.float64],
+    parent: int,
+    step: int,
+) -> int:
+    """Writes a new option into the next free row and returns its id; capacity must suffice."""
+    row = heads[1]
+    heads[1] += 1
+    columns.values[row] = value
+    columns.scaled[row] = scaled
+    columns.first_child[row] = NO_OPTION
+    columns.reach[row] = 0.0
+    columns.is_alive[row] = True
+    columns.born[row] = step
+    columns.weights[row] = 0.0
+    columns.visits[row] = 0
+    _insert(columns, heads, row, parent)
+    return row
+
+
+@njit(cache=True)
+def _measure_reach(columns: Columns, count: int) -> None:
+    columns.reach[:count] = 0.0
+    for row in range(count):
+        if columns.is_alive[row]:
+            _extend_reach(columns, row)
+
+
+class Forest:
+    """The options of one agent. Mutable: exactly one owner; everyone else reads a `view()`.
+
+    Rule: only this file and the compiled accommodation that calls `add_row` write to the
+    structure columns (parents, children, reach, is_alive). Weights and visits belong to
+    assimilation.
+    """
+
+    def __init__(self, n_features: int, n_actions: int, attention: NDArray[np.float64]) -> None:
+        self.n_features = n_features
+        self.n_actions = n_actions
+        self.attention = np.array(attention, np.float64)
+        self.heads = np.array([NO_OPTION, 0], np.int64)  # First root, number of rows in use.
+        self.columns = _allocate(_FIRST_CAPACITY, n_features, n_actions)
+        self.scratch: Scratch = make_scratch(_FIRST_CAPACITY)
+        self.links: list[tuple[int, int]] = []
+        self.revision = 0
+
+    @property
+    def n_rows(self) -> int:
+        """Options ever made, cleansed ones included."""
+        return int(self.heads[1])
+
+    @property
+    def capacity(self) -> int:
+        """Rows that fit before the arrays must grow."""
+        return len(self.columns.parents)
+
+    def reserve(self, rows: int) -> None:
+        """Grows the arrays, by doubling, until `rows` more options fit."""
+        capacity = self.capacity
+        while capacity < self.n_rows + rows:
+            capacity *= 2
+        if capacity == self.capacity:
+            return
+        grown = _allocate(capacity, self.n_features, self.n_actions)
+        for old, new in zip(self.columns, grown, strict=True):
+            new[: self.n_rows] = old[: self.n_rows]
+        self.columns = grown
+        self.scratch = make_scratch(capacity)
+
+    def add(self, value: NDArray[np.float64], parent: int, step: int) -> GrowthEvent:
+        """Adds an option below `parent` (NO_OPTION: as a root of a new schema)."""
+        self.reserve(1)
+        value = np.asarray(value, np.float64)
+        option = add_row(
+            self.columns, self.heads, value, self.attention * value, parent, step
+        )
+        self.revision += 1
+        return GrowthEvent(step, GrowthKind.CREATED, int(option), parent)
+
+    def link(self, parent: int, child: int, step: int) -> GrowthEvent:
+        """Makes `child` a further child of `parent`, beside its place in the tree."""
+        if parent == child or (parent, child) in self.links or self.columns.parents[child] == parent:
+            raise ValueError(f"Option {child} already is option {parent} or its child.")
+        self.links.append((parent, child))
+        self.revision += 1
+        return GrowthEvent(step, GrowthKind.LINKED, child, parent)
+
+    def nearest(
+        self, observation: NDArray[np.float64], count: int = 1, action: int = ANY_ACTION
+    ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Ids and distances of the `count` most similar options, closest first; exact.
+
+        With an `action`, only among options that tried it. Fewer come back if there are fewer.
+        """
+        ids, distances = np.empty(count, np.int64), np.empty(count, np.float64)
+        query = self.attention * np.asarray(observation, np.float64)
+        found = find_nearest(
+            self.columns, self.heads[0], query, action, np.inf, self.scratch, ids, distances
+        )
+        return ids[:found], distances[:found]
+
+    def remove(self, option: int, step: int, heir: int = NO_OPTION) -> list[GrowthEvent]:
+        """Cleanses an option; its children move up to its parent. `heir` got its experience."""
+        columns = self.columns
+        if not (0 <= option < self.n_rows and columns.is_alive[option]):
+            raise ValueError(f"There is no living option {option} to remove.")
+        parent = int(columns.parents[option])
+        self._unhook(option)
+        columns.is_alive[option] = False
+        columns.parents[option] = NO_OPTION
+        events = [GrowthEvent(step, GrowthKind.REMOVED, option, heir)]
+        children = list(_walk_siblings(columns, int(columns.first_child[option])))
+        columns.first_child[option] = NO_OPTION
+        for child in reversed(children):
+            _insert(columns, self.heads, child, parent)
+            events.append(GrowthEvent(step, GrowthKind.MOVED, child, parent))
+        self.links = [
+            pair
+            for pair in self.links
+            if option not in pair and columns.parents[pair[1]] != pair[0]
+        ]
+        self._measure()
+        self.revision += 1
+        return events
+
+    def set_attention(self, attention: NDArray[np.float64], step: int) -> GrowthEvent:
+        """Changes the attention weights; every stored distance follows, the tree stays.
+
+        Raises:
+            ValueError: If the weights are not D finite numbers of at least 0.
+        """
+        attention = np.array(attention, np.float64)
+        if attention.shape != (self.n_features,) or not (
+            np.isfinite(attention).all() and (attention >= 0).all()
+        ):
+            raise ValueError(
+                f"Expected {self.n_features} finite attention weights of at least 0, one per "
+                f"feature, but got {attention}."
+            )
+        self.attention = attention
+        n = self.n_rows
+        self.columns.scaled[:n] = self.columns.values[:n] * attention
+        _measure_reach(self.columns, n)
+        self.revision += 1
+        return GrowthEvent(step, GrowthKind.ATTENTION, NO_OPTION, NO_OPTION)
+
+    def view(self) -> ForestView:
+        """A frozen copy of the forest as it is now."""
+        n, columns = self.n_rows, self.columns
+        links = np.array(self.links, np.int64).reshape(-1, 2)
+        return ForestView(
+            *(
+                _frozen(array)
+                for array in (
+                    columns.values[:n],
+                    columns.parents[:n],
+                    columns.depths[:n],
+                    columns.weights[:n],
+                    columns.visits[:n],
+                    columns.born[:n],
+                    columns.is_alive[:n],
+                    links,
+                    self.attention,
+                )
+            ),
+            revision=self.revision,
+        )
+
+    def check_invariants(self) -> None:
+        """Asks the forest whether it is sound.
+
+        Raises:
+            AssertionError: Naming the first invariant that does not hold.
+        """
+        n, columns = self.n_rows, self.columns
+        alive = np.flatnonzero(columns.is_alive[:n])
+        seen: list[int] = list(_walk_siblings(columns, int(self.heads[0])))
+        assert all(columns.parents[root] == NO_OPTION for root in seen), "A root has a parent."
+        position = 0
+        while position < len(seen):
+            option = seen[position]
+            position += 1
+            children = list(_walk_siblings(columns, int(columns.first_child[option])))
+            for child in children:
+                assert columns.parents[child] == option, f"Child {child} disowns {option}."
+                assert columns.depths[child] == columns.depths[option] + 1, f"Depth of {child}."
+            seen += children
+            assert len(seen) <= n, "The tree has a cycle."
+        assert sorted(seen) == alive.tolist(), "Tree and living options differ."
+        np.testing.assert_array_equal(columns.scaled[:n], columns.values[:n] * self.attention)
+        for option in alive:
+            ancestor = columns.parents[option]
+            while ancestor != NO_OPTION:
+                d = np.abs(columns.scaled[option] - columns.scaled[ancestor]).sum()
+                assert d <= columns.reach[ancestor] * (1 + 1e-12) + 1e-12, f"Reach of {ancestor}."
+                ancestor = columns.parents[ancestor]
+        for parent, child in self.links:
+            assert columns.is_alive[parent], f"A link leads from cleansed option {parent}."
+            assert columns.is_alive[child], f"A link leads to cleansed option {child}."
+            assert columns.parents[child] != parent, f"A link doubles the tree at {child}."
+        assert np.isfinite(columns.weights[:n]).all(), "A weight is not finite."
+        assert (columns.visits[:n] >= 0).all(), "A visit count is negative."
+
+    def _unhook(self, option: int) -> None:
+        columns = self.columns
+        parent = int(columns.parents[option])
+        first = int(self.heads[0]) if parent == NO_OPTION else int(columns.first_child[parent])
+        siblings = list(_walk_siblings(columns, first))
+        place = siblings.index(option)
+        after = columns.next_sibling[option]
+        if place > 0:
+            columns.next_sibling[siblings[place - 1]] = after
+        elif parent == NO_OPTION:
+            self.heads[0] = after
+        else:
+            columns.first_child[parent] = after
+
+    def _measure(self) -> None:
+        """Depths and reach of every option, from the tree."""
+        columns = self.columns
+        stack = list(_walk_siblings(columns, int(self.heads[0])))
+        while stack:
+            option = stack.pop()
+            parent = columns.parents[option]
+            columns.depths[option] = 0 if parent == NO_OPTION else columns.depths[parent] + 1
+            stack += _walk_siblings(columns, int(columns.first_child[option]))
+        _measure_reach(columns, self.n_rows)
+
+
+def _walk_siblings(columns: Columns, option: int) -> Iterator[int]:
+    while option != NO_OPTION:
+        following = int(columns.next_sibling[option])
+        yield option
+        option = following
+
+
+def _frozen(array: NDArray) -> NDArray:
+    copy = array.copy()
+    copy.flags.writeable = False
+    return copy
+
+
+def _allocate(capacity: int, n_features: int, n_actions: int) -> Columns:
+    return Columns(
+        values=np.zeros((capacity, n_features)),
+        scaled=np.zeros((capacity, n_features)),
+        parents=np.full(capacity, NO_OPTION, np.int64),
+        first_child=np.full(capacity, NO_OPTION, np.int64),
+        next_sibling=np.full(capacity, NO_OPTION, np.int64),
+        depths=np.zeros(capacity, np.int64),
+        reach=np.zeros(capacity),
+        is_alive=np.zeros(capacity, np.bool_),
+        born=np.zeros(capacity, np.int64),
+        weights=np.zeros((capacity, n_actions)),
+        visits=np.zeros((capacity, n_actions), np.int64),
+    )

@@ -1,0 +1,165 @@
+"""A Gymnasium environment as AO2 sees it: D features in, one of A primitive actions out."""
+
+import difflib
+import itertools
+from dataclasses import dataclass
+from typing import Any
+
+import gymnasium as gym
+import numpy as np
+from gymnasium import spaces
+from numpy.typing import NDArray
+
+from ao2viz.core.config import Preset
+from ao2viz.envs.catalogue import CATALOGUE, Entry, Feature
+
+# Torques of a one-dimensional action, then values per axis for two and three dimensions.
+DEFAULT_ACTION_BINS = {1: 5, 2: 3, 3: 3}
+MAX_ACTION_BINS = 101
+
+
+@dataclass(frozen=True, eq=False)
+class TaskSpec:
+    """What an agent must know of its environment, and what a person reads about it."""
+
+    env_id: str
+    title: str
+    features: tuple[Feature, ...]  # [D]
+    action_names: tuple[str, ...]  # [A]
+    ranges: NDArray[np.float64]  # [D] for the paper's similarity, environment units.
+    action_grid: NDArray[np.float64] | None  # [A, dims] for a Box of actions, None for Discrete.
+    action_offset: int  # The environment's number of the first discrete action.
+    action_bins: int | None  # Values per axis of the grid, None for Discrete.
+    entry: Entry
+
+    @property
+    def n_features(self) -> int:
+        """D, the length of an observation."""
+        return len(self.features)
+
+    @property
+    def n_actions(self) -> int:
+        """A, the number of primitive actions."""
+        return len(self.action_names)
+
+    def to_env_action(self, action: int) -> Any:
+        """What `env.step` wants for a primitive action's index."""
+        if self.action_grid is None:
+            return int(action) + self.action_offset
+        return self.action_grid[action].astype(np.float32)
+
+
+def make_env(env_id: str, *, render: bool = False) -> gym.Env:
+    """Makes a registered environment, ready to draw pictures if asked.
+
+    Raises:
+        ValueError: If Gymnasium does not know the id or cannot make it; says what is near.
+    """
+    try:
+        return gym.make(env_id, render_mode="rgb_array" if render else None)
+    except (gym.error.Error, ImportError, TypeError) as error:
+        # TypeError: an environment without render_mode; one without pictures still trains.
+        if render and isinstance(error, TypeError | gym.error.Error) and env_id in gym.registry:
+            return make_env(env_id)
+        near = difflib.get_close_matches(env_id, list(gym.registry), n=3)
+        hint = f" Did you mean {' or '.join(near)}?" if near else ""
+        reason = str(error).split("\n", maxsplit=1)[0]
+        raise ValueError(f"Could not make the environment {env_id!r}: {reason}.{hint}") from error
+
+
+def describe(env: gym.Env, action_bins: int | None = None) -> TaskSpec:
+    """Reads a task off an environment, with names and settings where it is catalogued.
+
+    Raises:
+        ValueError: If its observations or actions do not fit; says what would.
+    """
+    env_id = env.spec.id if env.spec is not None else type(env.unwrapped).__name__
+    entry = CATALOGUE.get(env_id, Entry(env_id, env_id))
+    space = env.observation_space
+    if not (isinstance(space, spaces.Box) and len(space.shape) == 1 and space.shape[0] > 0):
+        raise ValueError(
+            f"AO2 needs observations that are one row of numbers (a one-dimensional Box), but "
+            f"{env_id} gives {space}. Wrap it first, for example with "
+            f"gymnasium.wrappers.FlattenObservation."
+        )
+    n = space.shape[0]
+    features = entry.features
+    if len(features) != n:
+        features = tuple(Feature(f"feature {i}") for i in range(n))
+    names, grid, offset, bins = _actions(env, env_id, entry, action_bins)
+    return TaskSpec(
+        env_id=env_id,
+        title=entry.title,
+        features=features,
+        action_names=names,
+        ranges=_ranges(space, features),
+        action_grid=grid,
+        action_offset=offset,
+        action_bins=bins,
+        entry=entry,
+    )
+
+
+def settings_for(spec: TaskSpec, preset: Preset) -> dict[str, Any]:
+    """The settings proven for this task; empty for one we do not know."""
+    return dict(spec.entry.settings.get(preset, {}))
+
+
+def to_observation(raw: Any, spec: TaskSpec) -> NDArray[np.float64]:
+    """Checks an observation and gives it as a float64 array of shape [D].
+
+    Raises:
+        ValueError: If it has another shape or is not finite.
+    """
+    observation = np.asarray(raw, np.float64)
+    if observation.shape != (spec.n_features,):
+        raise ValueError(
+            f"Expected an observation of shape ({spec.n_features},), one number per feature of "
+            f"{spec.env_id}, but it had shape {observation.shape}."
+        )
+    if not np.isfinite(observation).all():
+        bad = [spec.features[i].name for i in np.flatnonzero(~np.isfinite(observation))]
+        raise ValueError(
+            f"Expected finite observations, but {spec.env_id} gave {observation[~np.isfinite(observation)][0]}"
+            f" for {', '.join(bad)}."
+        )
+    return observation
+
+
+def _actions(
+    env: gym.Env, env_id: str, entry: Entry, action_bins: int | None
+) -> tuple[tuple[str, ...], NDArray[np.float64] | None, int, int | None]:
+    space = env.action_space
+    if isinstance(space, spaces.Discrete):
+        if action_bins is not None:
+            raise ValueError(f"action_bins is for continuous actions; {env_id} has {space}.")
+        names = entry.actions
+        if len(names) != space.n:
+            names = tuple(f"action {i}" for i in range(int(space.n)))
+        return names, None, int(space.start), None
+    fits = isinstance(space, spaces.Box) and len(space.shape) == 1 and 1 <= space.shape[0] <= 3
+    if not (fits and np.isfinite(space.low).all() and np.isfinite(space.high).all()):
+        raise ValueError(
+            f"AO2 needs a finite set of actions (Discrete) or a bounded Box of one to three "
+            f"dimensions, but {env_id} has {space}. Wrap the environment so that it offers one."
+        )
+    dims = space.shape[0]
+    bins = DEFAULT_ACTION_BINS[dims] if action_bins is None else action_bins
+    if isinstance(bins, bool) or not isinstance(bins, int) or not 2 <= bins <= MAX_ACTION_BINS:
+        raise ValueError(f"Expected action_bins from 2 to {MAX_ACTION_BINS}, but got {bins!r}.")
+    axes = [np.linspace(low, high, bins) for low, high in zip(space.low, space.high, strict=True)]
+    grid = np.array(list(itertools.product(*axes)), np.float64)
+    word = "torque" if env_id.startswith("Pendulum") else "action"
+    names = tuple(
+        f"{word} " + ", ".join(f"{x:+.3g}".replace("-", "−") for x in row) for row in grid
+    )
+    return names, grid, 0, bins
+
+
+def _ranges(space: spaces.Box, features: tuple[Feature, ...]) -> NDArray[np.float64]:
+    """Width of each feature: the catalogue's, else the space's, else 1 where it is unbounded."""
+    width = space.high.astype(np.float64) - space.low.astype(np.float64)
+    width = np.where(np.isfinite(width) & (width > 0) & (width < 1e6), width, 1.0)
+    return np.array(
+        [f.range if f.range is not None else w for f, w in zip(features, width, strict=True)]
+    )

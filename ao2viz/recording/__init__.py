@@ -1,0 +1,1 @@
+"""What happened: episodes with the decision behind every step, growth, and returns."""

@@ -1,0 +1,108 @@
+"""One recorded episode: enough to replay it exactly and to explain every step."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ao2viz.core.decision import DecideBy, Decision
+
+
+@dataclass(frozen=True, eq=False)
+class Episode:
+    """Seed, actions and decisions of one episode, from reset to its last step.
+
+    Resetting the environment with `seed` and repeating `actions` gives it again, bit for bit.
+    `T` counts steps; there is one decision a step and one observation more.
+    """
+
+    env_id: str
+    seed: int  # What the environment was reset with.
+    observations: NDArray[np.float64]  # [T + 1, D]
+    actions: NDArray[np.int64]  # [T] indices of primitive actions.
+    rewards: NDArray[np.float64]  # [T]
+    decisions: tuple[Decision, ...]  # [T]
+    terminated: bool  # The task itself ended (goal or failure).
+    truncated: bool  # A time limit cut it off; both False: still under way.
+    started_at: int = 0  # The agent's step count when the episode began.
+    is_training: bool = False  # Recorded while learning (explores), not greedily.
+
+    def __len__(self) -> int:
+        """Steps taken."""
+        return len(self.actions)
+
+    @property
+    def total_reward(self) -> float:
+        """Undiscounted sum of rewards, the return that people quote."""
+        return float(self.rewards.sum())
+
+
+def pack_decisions(decisions: Sequence[Decision], n_features: int, n_actions: int) -> dict[str, NDArray]:
+    """Decisions as plain arrays [T, …], padded; `unpack_decisions` gives them back exactly."""
+    t = len(decisions)
+    k = max((len(d.voters) for d in decisions), default=0)
+    p = max((d.paths.shape[1] for d in decisions), default=0)
+    packed: dict[str, NDArray] = {
+        "observation": np.zeros((t, n_features)),
+        "action": np.zeros(t, np.int32),
+        "by_vote": np.zeros(t, np.bool_),
+        "action_values": np.zeros((t, n_actions)),
+        "n_voters": np.zeros(t, np.int32),
+        "path_length": np.zeros(t, np.int32),
+        "voters": np.full((t, k), -1, np.int32),
+        "shares": np.zeros((t, k)),
+        "voter_weights": np.zeros((t, k, n_actions)),
+        "paths": np.full((t, k, p), -1, np.int32),
+        "path_distances": np.full((t, k, p), np.nan),
+        "runner_up_option": np.full(t, -1, np.int32),
+        "runner_up_distance": np.full(t, np.nan),
+        "explored": np.zeros(t, np.bool_),
+        "is_tie": np.zeros(t, np.bool_),
+        "created": np.full(t, -1, np.int32),
+    }
+    for i, d in enumerate(decisions):
+        n, length = len(d.voters), d.paths.shape[1]
+        packed["observation"][i] = d.observation
+        packed["action"][i] = d.action
+        packed["by_vote"][i] = d.decide_by is DecideBy.VOTE
+        packed["action_values"][i] = d.action_values
+        packed["n_voters"][i] = n
+        packed["path_length"][i] = length
+        packed["voters"][i, :n] = d.voters
+        packed["shares"][i, :n] = d.shares
+        packed["voter_weights"][i, :n] = d.voter_weights
+        packed["paths"][i, :n, :length] = d.paths
+        packed["path_distances"][i, :n, :length] = d.path_distances
+        packed["runner_up_option"][i] = d.runner_up_option
+        packed["runner_up_distance"][i] = d.runner_up_distance
+        packed["explored"][i] = d.explored
+        packed["is_tie"][i] = d.is_tie
+        packed["created"][i] = d.created
+    return packed
+
+
+def unpack_decisions(packed: dict[str, NDArray]) -> tuple[Decision, ...]:
+    """The decisions that `pack_decisions` packed."""
+    decisions = []
+    for i in range(len(packed["action"])):
+        n, length = int(packed["n_voters"][i]), int(packed["path_length"][i])
+        decisions.append(
+            Decision(
+                observation=packed["observation"][i],
+                action=int(packed["action"][i]),
+                decide_by=DecideBy.VOTE if packed["by_vote"][i] else DecideBy.PATH,
+                action_values=packed["action_values"][i],
+                voters=packed["voters"][i, :n].astype(np.int64),
+                shares=packed["shares"][i, :n],
+                voter_weights=packed["voter_weights"][i, :n],
+                paths=packed["paths"][i, :n, :length].astype(np.int64),
+                path_distances=packed["path_distances"][i, :n, :length],
+                runner_up_option=int(packed["runner_up_option"][i]),
+                runner_up_distance=float(packed["runner_up_distance"][i]),
+                explored=bool(packed["explored"][i]),
+                is_tie=bool(packed["is_tie"][i]),
+                created=int(packed["created"][i]),
+            )
+        )
+    return tuple(decisions)
