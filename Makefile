@@ -1,0 +1,78 @@
+# Every command a developer or CI needs. `make` alone lists them.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+AGENT ?= saved_schemas/CartPole-v1.ao2
+
+.DEFAULT_GOAL := help
+.PHONY: help install app test check format lint types schemas browser clean
+
+help: ## List these commands.
+	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | \
+		while IFS="$$(printf '\t')" read -r name text; do printf '  make %-9s %s\n' "$$name" "$$text"; done
+
+install: $(VENV)/.dev ## Make .venv with the app and the developers' tools; needs no root.
+
+app: $(VENV)/.app ## Install what is missing, then open the dashboard on a trained agent (AGENT=file).
+	@$(BIN)/python app.py $(AGENT)
+
+test: $(VENV)/.test browser ## Install what is missing, then run every test.
+	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+check: $(VENV)/.test browser ## Check format, lint and types, then run every test.
+	@$(MAKE) --no-print-directory lint types
+	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+
+lint: $(VENV)/.dev ## Check format and lint.
+	@$(BIN)/ruff format --check .
+	@$(BIN)/ruff check .
+
+types: $(VENV)/.dev ## Check types.
+	@$(BIN)/pyright
+
+format: $(VENV)/.dev ## Format the code and mend what the linter can.
+	@$(BIN)/ruff format .
+	@$(BIN)/ruff check --fix .
+
+clean: ## Remove .venv and everything else that was made here.
+	rm -rf $(VENV) dist build .pytest_cache .ruff_cache .hypothesis test-results
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+# Three stamps, so that nothing is installed twice and `make app` fetches no developers' tools.
+$(BIN)/python:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+		echo "ao2viz needs Python 3.11 or newer, but $(PYTHON) is" \
+			"$$($(PYTHON) --version 2>&1 || echo missing)." \
+			"Name another: make PYTHON=python3.12 …" >&2; exit 1; }
+	@echo "Making $(VENV) …"
+	@$(PYTHON) -m venv $(VENV)
+
+$(VENV)/.app: pyproject.toml | $(BIN)/python
+	@echo "Installing ao2viz into $(VENV) …"
+	@$(PIP) --editable .
+	@touch $@
+
+$(VENV)/.dev: pyproject.toml $(VENV)/.app
+	@echo "Installing the developers' tools …"
+	@$(PIP) --editable '.[dev]'
+	@touch $@
+
+$(VENV)/.test: pyproject.toml tests/constraints.txt $(VENV)/.dev
+	@echo "Installing what only the tests need (stable-baselines3 brings PyTorch: a large download) …"
+	@$(PIP) --editable '.[test]' --constraint tests/constraints.txt
+	@touch $@
+
+# The browser tests look for the same names. Without any, they skip, or fail where CI is set.
+browser:
+	@for name in chromium chromium-browser google-chrome google-chrome-stable; do \
+		if command -v $$name >/dev/null; then exit 0; fi; done; \
+	if [ "$$(id -u)" = 0 ] && command -v apt-get >/dev/null; then \
+		echo "Installing Chromium for the browser tests …"; \
+		export DEBIAN_FRONTEND=noninteractive; \
+		apt-get update -qq && apt-get install -qq -y --no-install-recommends chromium >/dev/null; \
+	else \
+		echo "No Chromium or Chrome found: the browser tests will be skipped." \
+			"Install one (Debian: sudo apt-get install chromium) to run them." >&2; \
+	fi

@@ -1,0 +1,170 @@
+"""Every command with its arguments; what each one does lives in a module of its own."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from ao2viz.cli.console import say
+from ao2viz.core.config import Preset
+
+DEFAULT_HOST = "127.0.0.1"
+DEFAULT_PORT = 8080
+
+app = typer.Typer(
+    name="ao2viz",
+    help="Train AO2 agents, and watch them think. Without a command, opens the dashboard.",
+    add_completion=False,
+    no_args_is_help=False,
+    rich_markup_mode="rich",
+)
+
+AgentFile = Annotated[Path, typer.Argument(metavar="FILE", help="An agent's .ao2 file.")]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON value instead of text.")]
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from importlib.metadata import version  # noqa: PLC0415 -- slow, and rarely asked for.
+
+        say(f"ao2viz {version('ao2viz')}")
+        raise typer.Exit()
+
+
+@app.callback()
+def options(
+    _: Annotated[
+        bool,
+        typer.Option("--version", callback=_version, is_eager=True, help="Print the version."),
+    ] = False,
+) -> None:
+    """Train AO2 agents, and watch them think. Without a command, opens the dashboard."""
+
+
+@app.command("app")
+def open_app(
+    file: Annotated[
+        Path | None,
+        typer.Argument(metavar="[FILE]", help="An agent's .ao2 file; the bundled CartPole agent."),
+    ] = None,
+    host: Annotated[
+        str,
+        typer.Option(help="Address to listen on; others than this machine's own need a token."),
+    ] = DEFAULT_HOST,
+    port: Annotated[
+        int, typer.Option(min=0, max=65535, help="Port to listen on; 0 takes a free one.")
+    ] = DEFAULT_PORT,
+    no_browser: Annotated[
+        bool, typer.Option("--no-browser", help="Print the address only, open no browser.")
+    ] = False,
+) -> None:
+    """Open the dashboard in the browser. Ctrl-C stops it."""
+    from ao2viz.cli.dashboard import run  # noqa: PLC0415 -- heavy.
+
+    run(file, host=host, port=port, open_browser=not no_browser)
+
+
+@app.command()
+def train(
+    env: Annotated[
+        str, typer.Argument(metavar="ENV", help="A Gymnasium environment, such as CartPole-v1.")
+    ],
+    steps: Annotated[int, typer.Option(min=1, help="Steps of the environment to learn from.")] = (
+        20_000
+    ),
+    preset: Annotated[
+        Preset, typer.Option(help="The agent: ours, or the closest reading of the paper.")
+    ] = Preset.ANTICIPATING,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Fixes everything random: the same seed, the same forest.")
+    ] = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option(help="File to save to; otherwise runs/ENV-PRESET-seedSEED.ao2."),
+    ] = None,
+    settings: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            help="Change a setting of the preset, such as levels=4; may be repeated.",
+        ),
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the file if there is one already.")
+    ] = False,
+    as_json: Json = False,
+) -> int:
+    """Train an agent and save it. Ctrl-C saves what was learned so far and says where."""
+    from ao2viz.cli.training import run  # noqa: PLC0415 -- heavy.
+
+    return run(
+        env,
+        steps=steps,
+        preset=preset,
+        seed=seed,
+        out=out,
+        settings=settings or [],
+        overwrite=overwrite,
+        as_json=as_json,
+    )
+
+
+@app.command()
+def evaluate(
+    file: AgentFile,
+    episodes: Annotated[int, typer.Option(min=1, help="Greedy episodes to play.")] = 100,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Episode number i starts from seed + i.")
+    ] = 1_000_000,
+    as_json: Json = False,
+) -> int:
+    """Play greedy episodes: mean, standard deviation, standard error and every return."""
+    from ao2viz.cli.evaluation import run  # noqa: PLC0415 -- heavy.
+
+    return run(file, episodes=episodes, seed=seed, as_json=as_json)
+
+
+@app.command()
+def record(
+    file: AgentFile,
+    episodes: Annotated[int, typer.Option(min=1, help="Greedy episodes to record.")] = 1,
+    seed: Annotated[
+        int, typer.Option(min=0, help="Episode number i starts from seed + i.")
+    ] = 1_000_000,
+    out: Annotated[
+        Path | None, typer.Option(help="Write to this file and leave FILE as it is.")
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the --out file if there is one already.")
+    ] = False,
+    as_json: Json = False,
+) -> int:
+    """Record greedy episodes, with the decision behind every step, and add them to the file."""
+    from ao2viz.cli.evaluation import run_record  # noqa: PLC0415 -- heavy.
+
+    return run_record(
+        file, episodes=episodes, seed=seed, out=out, overwrite=overwrite, as_json=as_json
+    )
+
+
+@app.command()
+def info(file: AgentFile, as_json: Json = False) -> None:
+    """Say what a file holds: environment, settings, forest, training and recorded episodes."""
+    from ao2viz.cli.information import run  # noqa: PLC0415 -- heavy.
+
+    run(file, as_json=as_json)
+
+
+@app.command("list")
+def list_agents(
+    folder: Annotated[
+        Path | None,
+        typer.Argument(metavar="[FOLDER]", help="Where to look; the agents that ship with ao2viz."),
+    ] = None,
+    as_json: Json = False,
+) -> None:
+    """List the agents in a folder."""
+    from ao2viz.cli.information import run_list  # noqa: PLC0415 -- heavy.
+
+    run_list(folder, as_json=as_json)

@@ -1,0 +1,62 @@
+"""From the arguments of a process to its exit code."""
+
+import os
+import sys
+from collections.abc import Sequence
+
+import typer
+from typer.main import get_command
+
+from ao2viz.cli.commands import app
+from ao2viz.cli.console import say_error
+
+EXIT_FAILED = 1
+"""The work itself failed, for example an environment that raised in the middle of training."""
+EXIT_USAGE = 2
+"""Asked for something that cannot be: bad flags, missing or broken files, unknown names."""
+EXIT_INTERRUPTED = 130
+"""Ctrl-C, as shells count it: 128 and the signal's number."""
+
+
+def main(arguments: Sequence[str] | None = None, program: str = "ao2viz") -> int:
+    """Runs one command and returns its exit code; prints one line instead of a traceback.
+
+    Args:
+        arguments: Those after the program's name; None takes the process's own.
+        program: How the usage lines call the program.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    try:
+        code = get_command(app).main(
+            with_default_command(given), prog_name=program, standalone_mode=False
+        )
+        sys.stdout.flush()
+    except typer.TyperException as error:
+        say_error(f"{error.format_message()} ({program} --help lists what there is.)")
+        return EXIT_USAGE
+    except (KeyboardInterrupt, typer.Abort):
+        say_error("Interrupted.")
+        return EXIT_INTERRUPTED
+    except BrokenPipeError:
+        # The reader has left, as `head` does. What Python still flushes at exit goes nowhere.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return EXIT_FAILED
+    except OSError as error:
+        where = f"{error.filename}: " if error.filename else ""
+        say_error(f"{where}{error.strerror or error}")
+        return EXIT_USAGE
+    except ValueError as error:
+        say_error(str(error))
+        return EXIT_USAGE
+    return code if isinstance(code, int) else 0
+
+
+def with_default_command(arguments: list[str]) -> list[str]:
+    """Puts `app` in front of what names no command: nothing, app's own options, an .ao2 file."""
+    if not arguments:
+        return ["app"]
+    first = arguments[0]
+    own_options = ("--help", "--version")
+    is_app_option = first.startswith("-") and first not in own_options
+    is_file = first.endswith(".ao2")
+    return ["app", *arguments] if is_app_option or is_file else arguments

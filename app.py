@@ -1,0 +1,8 @@
+"""`python app.py [FILE] [--host --port --no-browser]` opens the dashboard, as `ao2viz app` does."""
+
+import sys
+
+from ao2viz.cli import main
+
+if __name__ == "__main__":
+    sys.exit(main(["app", *sys.argv[1:]], program="app.py"))
