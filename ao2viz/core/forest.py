@@ -1,12 +1,13 @@
 """The forest of options: a growable store with one owner, and the frozen view everyone reads."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ao2viz.core.arrays import take_array
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.growth import GrowthEvent, GrowthKind
 from ao2viz.core.search import ANY_ACTION, Columns, Scratch, distance, find_nearest, make_scratch
@@ -88,8 +89,7 @@ def _extend_reach(columns: Columns, row: int) -> None:
     ancestor = columns.parents[row]
     while ancestor >= 0:
         d = distance(columns.scaled, ancestor, columns.scaled[row])
-        if d > columns.reach[ancestor]:
-            columns.reach[ancestor] = d
+        columns.reach[ancestor] = max(columns.reach[ancestor], d)
         ancestor = columns.parents[ancestor]
 
 
@@ -140,7 +140,8 @@ class Forest:
         self.heads = np.array([NO_OPTION, 0], np.int64)  # First root, number of rows in use.
         self.columns = _allocate(_FIRST_CAPACITY, n_features, n_actions)
         self.scratch: Scratch = make_scratch(_FIRST_CAPACITY)
-        self.links: list[tuple[int, int]] = []
+        self.link_rows = np.empty((16, 2), np.int64)  # (parent, child), the first n_links in use.
+        self.n_links = 0
         self.revision = 0
 
     @property
@@ -170,17 +171,30 @@ class Forest:
         """Adds an option below `parent` (NO_OPTION: as a root of a new schema)."""
         self.reserve(1)
         value = np.asarray(value, np.float64)
-        option = add_row(
-            self.columns, self.heads, value, self.attention * value, parent, step
-        )
+        option = add_row(self.columns, self.heads, value, self.attention * value, parent, step)
         self.revision += 1
         return GrowthEvent(step, GrowthKind.CREATED, int(option), parent)
 
+    @property
+    def links(self) -> NDArray[np.int64]:
+        """[L, 2] extra (parent, child) pairs beside the tree."""
+        return self.link_rows[: self.n_links]
+
+    def reserve_links(self, rows: int) -> None:
+        """Makes room for `rows` more extra links."""
+        if self.n_links + rows > len(self.link_rows):
+            grown = np.empty((2 * (self.n_links + rows), 2), np.int64)
+            grown[: self.n_links] = self.links
+            self.link_rows = grown
+
     def link(self, parent: int, child: int, step: int) -> GrowthEvent:
-        """Makes `child` a further child of `parent`, beside its place in the tree."""
-        if parent == child or (parent, child) in self.links or self.columns.parents[child] == parent:
-            raise ValueError(f"Option {child} already is option {parent} or its child.")
-        self.links.append((parent, child))
+        """Makes `child` a further child of `parent`, beside its place in the tree.
+
+        The two must be different living options, not linked yet; `check_invariants` tells.
+        """
+        self.reserve_links(1)
+        self.link_rows[self.n_links] = parent, child
+        self.n_links += 1
         self.revision += 1
         return GrowthEvent(step, GrowthKind.LINKED, child, parent)
 
@@ -213,11 +227,11 @@ class Forest:
         for child in reversed(children):
             _insert(columns, self.heads, child, parent)
             events.append(GrowthEvent(step, GrowthKind.MOVED, child, parent))
-        self.links = [
-            pair
-            for pair in self.links
-            if option not in pair and columns.parents[pair[1]] != pair[0]
-        ]
+        parents, linked = self.links.T
+        kept = (parents != option) & (linked != option) & (columns.parents[linked] != parents)
+        remaining = self.links[kept]
+        self.n_links = len(remaining)
+        self.link_rows[: self.n_links] = remaining
         self._measure()
         self.revision += 1
         return events
@@ -243,10 +257,93 @@ class Forest:
         self.revision += 1
         return GrowthEvent(step, GrowthKind.ATTENTION, NO_OPTION, NO_OPTION)
 
+    def begin_regrowth(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Uproots every option; each living one must then be replanted or merged away.
+
+        Returns the parents as they were [N] and the living options, the oldest first. Extra links
+        are dropped.
+        """
+        n, columns = self.n_rows, self.columns
+        old_parents = columns.parents[:n].copy()
+        columns.parents[:n] = NO_OPTION
+        columns.first_child[:n] = NO_OPTION
+        columns.next_sibling[:n] = NO_OPTION
+        columns.reach[:n] = 0.0
+        self.heads[0] = NO_OPTION
+        self.n_links = 0
+        self.revision += 1
+        return old_parents, np.flatnonzero(columns.is_alive[:n])
+
+    def replant(self, option: int, parent: int) -> None:
+        """Puts an uprooted option back, below `parent` (NO_OPTION: as a root)."""
+        _insert(self.columns, self.heads, option, parent)
+
+    def merge_away(self, option: int, heir: int, step: int) -> GrowthEvent:
+        """Cleanses an uprooted option whose experience went to `heir`."""
+        self.columns.is_alive[option] = False
+        self.columns.weights[option] = 0.0
+        return GrowthEvent(step, GrowthKind.REMOVED, option, heir)
+
+    def get_state(self) -> dict[str, NDArray]:
+        """Copies of the arrays from which `set_state` rebuilds everything else."""
+        n, columns = self.n_rows, self.columns
+        return {
+            "values": columns.values[:n].copy(),
+            "parents": columns.parents[:n].astype(np.int32),
+            "is_alive": columns.is_alive[:n].copy(),
+            "born": columns.born[:n].copy(),
+            "weights": columns.weights[:n].copy(),
+            "visits": columns.visits[:n].astype(np.int32),
+            "links": self.links.astype(np.int32),
+            "attention": self.attention.copy(),
+            "revision": np.array(self.revision, np.int64),
+        }
+
+    def set_state(self, state: Mapping[str, NDArray]) -> None:
+        """Rebuilds the forest that `get_state` was asked of; replaces this one.
+
+        Raises:
+            ValueError: If an array is missing, does not fit, or describes no forest.
+        """
+        n = len(state["values"]) if "values" in state else 0
+        d, a = self.n_features, self.n_actions
+        values = take_array(state, "values", (n, d), np.float64)
+        parents = take_array(state, "parents", (n,), np.int32).astype(np.int64)
+        is_alive = take_array(state, "is_alive", (n,), np.bool_)
+        weights = take_array(state, "weights", (n, a), np.float64)
+        visits = take_array(state, "visits", (n, a), np.int32)
+        links = take_array(state, "links", (None, 2), np.int32)
+        born = take_array(state, "born", (n,), np.int64)
+        attention = take_array(state, "attention", (d,), np.float64)
+        revision = take_array(state, "revision", (), np.int64)
+        if not (np.isfinite(values).all() and np.isfinite(weights).all() and (visits >= 0).all()):
+            raise ValueError("Expected finite values and weights, and visits of at least 0.")
+        if ((parents < NO_OPTION) | (parents >= n)).any() or ((links < 0) | (links >= n)).any():
+            raise ValueError(f"Expected parents and links among the {n} options.")
+        order = _parents_first(parents, is_alive)
+        fresh = Forest(d, a, np.zeros(d))
+        fresh.set_attention(attention, 0)
+        fresh.reserve(n)
+        columns = fresh.columns
+        columns.values[:n], columns.born[:n] = values, born
+        columns.scaled[:n] = values * attention
+        columns.is_alive[:n] = is_alive
+        columns.weights[:n], columns.visits[:n] = weights, visits
+        fresh.heads[1] = n
+        for option in order:
+            _insert(columns, fresh.heads, int(option), int(parents[option]))
+        for parent, child in links.tolist():
+            if not (is_alive[parent] and is_alive[child]) or parents[child] == parent:
+                raise ValueError(f"Expected extra links between living options, not {parent}.")
+        fresh.reserve_links(len(links))
+        fresh.link_rows[: len(links)] = links
+        fresh.n_links = len(links)
+        fresh.revision = int(revision)
+        self.__dict__.update(fresh.__dict__)
+
     def view(self) -> ForestView:
         """A frozen copy of the forest as it is now."""
         n, columns = self.n_rows, self.columns
-        links = np.array(self.links, np.int64).reshape(-1, 2)
         return ForestView(
             *(
                 _frozen(array)
@@ -258,7 +355,7 @@ class Forest:
                     columns.visits[:n],
                     columns.born[:n],
                     columns.is_alive[:n],
-                    links,
+                    self.links,
                     self.attention,
                 )
             ),
@@ -293,6 +390,7 @@ class Forest:
                 d = np.abs(columns.scaled[option] - columns.scaled[ancestor]).sum()
                 assert d <= columns.reach[ancestor] * (1 + 1e-12) + 1e-12, f"Reach of {ancestor}."
                 ancestor = columns.parents[ancestor]
+        assert len(np.unique(self.links, axis=0)) == self.n_links, "A link is there twice."
         for parent, child in self.links:
             assert columns.is_alive[parent], f"A link leads from cleansed option {parent}."
             assert columns.is_alive[child], f"A link leads to cleansed option {child}."
@@ -324,6 +422,27 @@ class Forest:
             columns.depths[option] = 0 if parent == NO_OPTION else columns.depths[parent] + 1
             stack += _walk_siblings(columns, int(columns.first_child[option]))
         _measure_reach(columns, self.n_rows)
+
+
+def _parents_first(parents: NDArray[np.int64], is_alive: NDArray[np.bool_]) -> NDArray[np.int64]:
+    """Living options ordered so that each comes after its parent.
+
+    Raises:
+        ValueError: If a parent is dead or the options form a cycle.
+    """
+    alive = np.flatnonzero(is_alive)
+    depths = np.full(len(parents), -1)
+    depths[alive] = 0
+    has_parent = alive[parents[alive] != NO_OPTION]
+    if not is_alive[parents[has_parent]].all():
+        raise ValueError("Expected every parent to be a living option.")
+    above = parents[has_parent]
+    for _ in range(len(alive) + 1):
+        deeper = depths[above] + 1
+        if (depths[has_parent] == deeper).all():
+            return alive[np.argsort(depths[alive], kind="stable")]
+        depths[has_parent] = deeper
+    raise ValueError("Expected trees, but the options' parents form a cycle.")
 
 
 def _walk_siblings(columns: Columns, option: int) -> Iterator[int]:

@@ -5,19 +5,17 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ao2viz.core.arrays import Arrays
 from ao2viz.core.config import Config
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.core.growth import GrowthEvent
 
-Arrays = dict[str, NDArray]
-"""Everything a learner must keep to continue to the bit, by name; plain arrays only."""
-
 
 class Learner(Protocol):
-    """Chooses actions and learns from what follows. The life of one episode:
+    """Chooses actions and learns from what follows.
 
-    `start(o0)`, then per step `decide(explore=True)`, the environment, `observe(...)`. Asking
+    The life of one episode: `start(o0)`, then per step `decide(explore=True)`, the environment, `observe(...)`. Asking
     `decide_at` changes nothing. All observations are float64 arrays of shape [D].
     """
 

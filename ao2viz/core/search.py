@@ -91,7 +91,8 @@ def find_nearest(
                         slot = wanted - 1
                 if slot < wanted:
                     while slot > 0 and (
-                        d < distances[slot - 1] or (d == distances[slot - 1] and child < ids[slot - 1])
+                        d < distances[slot - 1]
+                        or (d == distances[slot - 1] and child < ids[slot - 1])
                     ):
                         distances[slot] = distances[slot - 1]
                         ids[slot] = ids[slot - 1]

@@ -1,0 +1,462 @@
+"""The `anticipating` preset: options that also learn what follows each action, and imagine.
+
+An option with expectations is Neisser's anticipatory schema (Cognition and Reality, 1976); how
+it learns is model-based value iteration on the options themselves (Sutton's Dyna, 1990).
+"""
+
+from dataclasses import replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ao2viz.core.accommodation import MAX_LINKS, find_parent
+from ao2viz.core.arrays import Arrays, take_array
+from ao2viz.core.assimilation import assimilate, imagine_all, keep_stories, settle
+from ao2viz.core.attention import RunningSpread, attention_from
+from ao2viz.core.config import AnticipatingConfig
+from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
+from ao2viz.core.experience import Experience, merge, record
+from ao2viz.core.forest import Forest, ForestView
+from ao2viz.core.growth import GrowthEvent, GrowthKind
+from ao2viz.core.imagination import Imagination, Rules
+from ao2viz.core.inference import decide, make_workspace, weigh_actions
+from ao2viz.core.search import ANY_ACTION, find_nearest
+
+
+class _Step(NamedTuple):
+    """One step of the environment, as it is learned from."""
+
+    before: NDArray[np.float64]  # [D]
+    action: int
+    reward: float
+    after: NDArray[np.float64]  # [D]
+    terminated: bool
+    ended: bool  # The last step of its episode, for whatever reason.
+
+    def to_row(self) -> NDArray[np.float64]:
+        """[2 D + 4] numbers."""
+        return np.array(
+            [*self.before, *self.after, self.action, self.reward, self.terminated, self.ended]
+        )
+
+    @classmethod
+    def from_row(cls, row: NDArray[np.float64]) -> "_Step":
+        """The step that `to_row` wrote."""
+        d = (len(row) - 4) // 2
+        action, reward, terminated, ended = row[2 * d :].tolist()
+        return cls(row[:d], int(action), reward, row[d : 2 * d], bool(terminated), bool(ended))
+
+
+class AnticipatingLearner:
+    """Learns what follows each action and plans on it; see `Learner` for the life of an episode.
+
+    Nothing is grown during the first `warmup_steps` steps: they are kept, and learned from as
+    soon as their spread has set the attention.
+    """
+
+    def __init__(
+        self,
+        config: AnticipatingConfig,
+        ranges: NDArray[np.float64],
+        n_actions: int,
+        rng: np.random.Generator,
+    ) -> None:
+        self.config = config
+        self.n_steps = 0
+        self._rng = rng
+        self._n_features = len(ranges)
+        self._n_actions = n_actions
+        self._rules = _rules_of(config)
+        self._spread = RunningSpread(self._n_features)
+        self._grown_at = np.zeros(self._n_features)  # Deviations when attention was last set.
+        self._next_check = config.warmup_steps
+        self._waiting: list[_Step] = []  # Warm-up steps not learned from yet.
+        self._cursors = np.zeros(2, np.int64)
+        self._set_forest(Forest(self._n_features, n_actions, np.zeros(self._n_features)))
+        self._observation = np.zeros(self._n_features)
+        self._forget_episode()
+
+    def start(self, observation: NDArray[np.float64]) -> tuple[GrowthEvent, ...]:
+        """Begins an episode; see `Learner`."""
+        events: list[GrowthEvent] = []
+        self._forget_episode()
+        self._observation = observation
+        if self.n_steps < self.config.warmup_steps:
+            if self._waiting:
+                self._waiting[-1] = self._waiting[-1]._replace(ended=True)
+            self._spread.add(observation)
+            return ()
+        if self.n_steps >= self._next_check:
+            self._check_attention(events)
+        self._spread.add(observation)
+        self._here = self._situate(observation, events)
+        return tuple(events)
+
+    def decide(self, explore: bool = True) -> Decision:
+        """Decides for the latest observation; see `Learner`."""
+        decision = replace(self.decide_at(self._observation), created=self._created)
+        if explore and self._rng.random() < self._epsilon():
+            action = int(self._rng.integers(self._n_actions))
+            return replace(decision, action=action, explored=True)
+        return decision
+
+    def observe(
+        self,
+        decision: Decision,
+        reward: float,
+        observation: NDArray[np.float64],
+        terminated: bool,
+        truncated: bool,
+    ) -> tuple[GrowthEvent, ...]:
+        """Learns from one step; see `Learner`."""
+        events: list[GrowthEvent] = []
+        ended = terminated or truncated
+        step = _Step(self._observation, decision.action, reward, observation, terminated, ended)
+        self.n_steps += 1
+        self._spread.add(observation)
+        self._observation = observation
+        self._created = NO_OPTION
+        if self.n_steps <= self.config.warmup_steps:
+            self._waiting.append(step)
+            if self.n_steps == self.config.warmup_steps:
+                self._wake(events)
+            return tuple(events)
+        self._learn(step, events)
+        return tuple(events)
+
+    def decide_at(self, observation: NDArray[np.float64]) -> Decision:
+        """What it would do if it saw this; see `Learner`."""
+        return decide(
+            self._forest,
+            observation,
+            self.config.decide_by,
+            self._rules.radius,
+            self._rules.share_ridge,
+            self._work,
+        )
+
+    def act_at(self, observation: NDArray[np.float64]) -> int:
+        """The action of `decide_at`; see `Learner`."""
+        forest, values = self._forest, np.zeros(self._n_actions)
+        weigh_actions(
+            forest.columns,
+            forest.heads[0],
+            forest.attention * observation,
+            self.config.decide_by is DecideBy.VOTE,
+            self._rules.radius,
+            self._rules.share_ridge,
+            self._work,
+            values,
+        )
+        return int(np.argmax(values))
+
+    def sleep(self) -> None:
+        """Imagines everything anew and lets the values settle; see `Learner`."""
+        settle(
+            self._forest.columns,
+            self._experience,
+            self._imagination,
+            self._forest.heads,
+            self.config.sleep_sweeps,
+            self._rules,
+            self._work,
+        )
+
+    def set_decide_by(self, decide_by: DecideBy) -> None:
+        """Switches between vote and path; see `Learner`."""
+        self.config = replace(self.config, decide_by=decide_by)
+
+    def view(self) -> ForestView:
+        """A frozen copy of the forest; see `Learner`."""
+        return self._forest.view()
+
+    def get_state(self) -> Arrays:
+        """Copies of everything needed to continue; see `Learner`."""
+        n = self._forest.n_rows
+        imagination = self._imagination._asdict()
+        experience = self._experience._asdict()
+        del imagination["value"]  # The greatest weight: follows from the weights.
+        return {
+            **self._forest.get_state(),
+            **{f"experience_{name}": array[:n].copy() for name, array in experience.items()},
+            **{f"imagination_{name}": array[:n].copy() for name, array in imagination.items()},
+            "spread": self._spread.moments.copy(),
+            "grown_at": self._grown_at.copy(),
+            "waiting": np.array([step.to_row() for step in self._waiting]).reshape(
+                -1, 2 * self._n_features + 4
+            ),
+            "counters": np.array([self.n_steps, self._next_check, *self._cursors], np.int64),
+        }
+
+    def set_state(self, state: Arrays) -> None:
+        """Takes over what `get_state` gave; see `Learner`."""
+        forest = Forest(self._n_features, self._n_actions, np.zeros(self._n_features))
+        forest.set_state(state)
+        n, a, d = forest.n_rows, self._n_actions, self._n_features
+        experience = _allocate_experience(forest.capacity, a, d)
+        imagination = _allocate_imagination(forest.capacity, a, self.config.voters)
+        for prefix, columns in (("experience", experience), ("imagination", imagination)):
+            for name, column in columns._asdict().items():
+                if name != "value":
+                    column[:n] = take_array(
+                        state, f"{prefix}_{name}", (n, *column.shape[1:]), column.dtype
+                    )
+        for name in ("end_ids", "story_end"):
+            ends = getattr(imagination, name)[:n]
+            if ((ends < NO_OPTION) | (ends >= n)).any():
+                raise ValueError(f"Expected option ids below {n} in imagination_{name}.")
+        imagination.value[:n] = forest.columns.weights[:n].max(axis=1, initial=-np.inf)
+        counters = take_array(state, "counters", (4,), np.int64)
+        spread = take_array(state, "spread", (3, d), np.float64)
+        grown_at = take_array(state, "grown_at", (d,), np.float64)
+        waiting = take_array(state, "waiting", (None, 2 * d + 4), np.float64)
+        self._forget_episode()
+        self._set_forest(forest)
+        self._experience, self._imagination = experience, imagination
+        self.n_steps, self._next_check = int(counters[0]), int(counters[1])
+        self._cursors = counters[2:].copy()
+        self._spread.moments[:] = spread
+        self._grown_at = grown_at.copy()
+        self._waiting = [_Step.from_row(row) for row in waiting]
+
+    def _epsilon(self) -> float:
+        config = self.config
+        if self.n_steps < config.warmup_steps:
+            return 1.0
+        progress = min(self.n_steps / config.epsilon_steps, 1.0)
+        return config.epsilon_start + (config.epsilon_end - config.epsilon_start) * progress
+
+    def _forget_episode(self) -> None:
+        self._here = NO_OPTION
+        self._created = NO_OPTION
+        self._trace_options: list[int] = []
+        self._trace_actions: list[int] = []
+        self._trace_rewards: list[float] = []
+
+    def _set_forest(self, forest: Forest) -> None:
+        self._forest = forest
+        capacity, a, d = forest.capacity, self._n_actions, self._n_features
+        self._experience = _allocate_experience(capacity, a, d)
+        self._imagination = _allocate_imagination(capacity, a, self.config.voters)
+        self._work = make_workspace(capacity, self.config.voters, d)
+
+    def _reserve(self) -> None:
+        """Makes room for one more option in every array at once."""
+        n, before = self._forest.n_rows, self._forest.capacity
+        self._forest.reserve(1)
+        capacity = self._forest.capacity
+        if capacity == before:
+            return
+        experience = _allocate_experience(capacity, self._n_actions, self._n_features)
+        imagination = _allocate_imagination(capacity, self._n_actions, self.config.voters)
+        for old, new in zip(
+            (*self._experience, *self._imagination), (*experience, *imagination), strict=True
+        ):
+            new[:n] = old[:n]
+        self._experience, self._imagination = experience, imagination
+        self._work = make_workspace(capacity, self.config.voters, self._n_features)
+
+    def _situate(self, observation: NDArray[np.float64], events: list[GrowthEvent]) -> int:
+        """The option that stands for an observation, accommodated if there is none."""
+        forest, work = self._forest, self._work
+        query = forest.attention * observation
+        found = find_nearest(
+            forest.columns,
+            forest.heads[0],
+            query,
+            ANY_ACTION,
+            self._rules.radius,
+            work.scratch,
+            work.ids[:1],
+            work.distances[:1],
+        )
+        if found:
+            return int(work.ids[0])
+        option = self._accommodate(observation, query, events)
+        imagine_all(
+            self._forest.columns,
+            self._experience,
+            self._imagination,
+            self._forest.heads[0],
+            option,
+            self._rules,
+            self._work,
+        )
+        self._created = option
+        return option
+
+    def _accommodate(
+        self,
+        observation: NDArray[np.float64],
+        query: NDArray[np.float64],
+        events: list[GrowthEvent],
+    ) -> int:
+        self._reserve()
+        forest, links = self._forest, np.empty(MAX_LINKS, np.int64)
+        parent, covering = find_parent(
+            forest.columns, forest.heads[0], query, self._rules.levels, links
+        )
+        created = forest.add(observation, int(parent), self.n_steps)
+        events.append(created)
+        for extra in np.sort(links[:covering]):
+            events.append(forest.link(int(extra), created.option, self.n_steps))
+        return created.option
+
+    def _learn(self, step: _Step, events: list[GrowthEvent]) -> None:
+        """Records a step, finds where it led, and thinks; `_here` moves on."""
+        forest, option = self._forest, self._here
+        record(
+            forest.columns,
+            self._experience,
+            option,
+            step.action,
+            forest.attention * step.before,
+            forest.attention * step.after,
+            step.reward,
+            step.terminated,
+            self.config.experience_cap,
+        )
+        self._trace_options.append(option)
+        self._trace_actions.append(step.action)
+        self._trace_rewards.append(step.reward)
+        # A state where the task ended is no option: the chance of ending is learned instead.
+        self._here = NO_OPTION if step.terminated else self._situate(step.after, events)
+        self._keep_stories(step.ended)
+        recent = np.array(self._trace_options[-self.config.trace_length :], np.int64)
+        assimilate(
+            self._forest.columns,
+            self._experience,
+            self._imagination,
+            self._forest.heads,
+            option,
+            step.action,
+            recent,
+            self._cursors,
+            self._rules,
+            self._work,
+        )
+
+    def _keep_stories(self, ended: bool) -> None:
+        length = self.config.story_length
+        if length == 0 or (len(self._trace_options) < length and not ended):
+            return
+        window = slice(-length, None)
+        options = np.array(self._trace_options[window], np.int64)
+        keep_stories(
+            self._imagination,
+            options,
+            np.array(self._trace_actions[window], np.int64),
+            np.array(self._trace_rewards[window]),
+            self._here,
+            self.config.gamma,
+            len(options) - 1 if ended else 0,
+        )
+
+    def _wake(self, events: list[GrowthEvent]) -> None:
+        """Ends the warm-up: sets the attention, then learns from the steps that waited."""
+        self._grown_at = self._spread.deviation
+        attention = attention_from(self._grown_at, self.config.attention_width)
+        events.append(self._forest.set_attention(attention, self.n_steps))
+        waiting, self._waiting = self._waiting, []
+        for step in waiting:
+            if self._here == NO_OPTION:
+                self._here = self._situate(step.before, events)
+            self._learn(step, events)
+            if step.ended:
+                self._forget_episode()
+        self._next_check = 2 * self.config.warmup_steps
+
+    def _check_attention(self, events: list[GrowthEvent]) -> None:
+        """Widens the attention where the world turned out wider, and regrows the forest."""
+        while self._next_check <= self.n_steps:
+            self._next_check *= 2
+        deviation = self._spread.deviation
+        if (deviation <= (1.0 + self.config.attention_growth) * self._grown_at).all():
+            return
+        self._grown_at = np.maximum(deviation, self._grown_at)
+        self._regrow(attention_from(self._grown_at, self.config.attention_width), events)
+
+    def _regrow(self, attention: NDArray[np.float64], events: list[GrowthEvent]) -> None:
+        """Situates every option anew under a changed attention, the oldest first.
+
+        Options that now stand for the same situation become one; their experience is merged.
+        """
+        forest, n = self._forest, self._forest.n_rows
+        rescale = np.divide(
+            attention, forest.attention, out=np.zeros_like(attention), where=forest.attention > 0
+        )
+        unseen = forest.attention == 0  # Features that had not varied; nothing is known of them.
+        self._experience.displacement[:n] *= rescale.astype(np.float32)
+        self._experience.origin[:n] *= rescale.astype(np.float32)
+        events.append(forest.set_attention(attention, self.n_steps))
+        self._experience.origin[:n, :, unseen] = forest.columns.scaled[:n, None, unseen]
+        old_parents, alive = forest.begin_regrowth()
+        heirs = np.arange(n)
+        links = np.empty(MAX_LINKS, np.int64)
+        for option in alive:
+            query = forest.columns.scaled[option]
+            found = find_nearest(
+                forest.columns,
+                forest.heads[0],
+                query,
+                ANY_ACTION,
+                self._rules.radius,
+                self._work.scratch,
+                self._work.ids[:1],
+                self._work.distances[:1],
+            )
+            if found:
+                heir = int(self._work.ids[0])
+                merge(forest.columns, self._experience, option, heir, self.config.experience_cap)
+                heirs[option] = heir
+                events.append(forest.merge_away(int(option), heir, self.n_steps))
+                continue
+            parent, covering = find_parent(
+                forest.columns, forest.heads[0], query, self._rules.levels, links
+            )
+            forest.replant(int(option), int(parent))
+            if parent != old_parents[option]:
+                events.append(GrowthEvent(self.n_steps, GrowthKind.MOVED, int(option), int(parent)))
+            for extra in np.sort(links[:covering]):
+                events.append(forest.link(int(extra), int(option), self.n_steps))
+        ends = self._imagination.story_end[:n]
+        ends[ends >= 0] = heirs[ends[ends >= 0]]
+        self.sleep()
+
+
+def _rules_of(config: AnticipatingConfig) -> Rules:
+    return Rules(
+        gamma=config.gamma,
+        radius=0.5**config.levels,
+        levels=config.levels,
+        cap=config.experience_cap,
+        effect_ridge=config.effect_ridge,
+        share_ridge=config.share_ridge,
+        imagine_limit=config.imagine_limit,
+        refreshes=config.refreshes,
+        backups=config.backups,
+    )
+
+
+def _allocate_experience(capacity: int, n_actions: int, n_features: int) -> Experience:
+    return Experience(
+        reward=np.zeros((capacity, n_actions), np.float32),
+        displacement=np.zeros((capacity, n_actions, n_features), np.float32),
+        origin=np.zeros((capacity, n_actions, n_features), np.float32),
+        ending=np.zeros((capacity, n_actions), np.float32),
+    )
+
+
+def _allocate_imagination(capacity: int, n_actions: int, voters: int) -> Imagination:
+    return Imagination(
+        steps=np.zeros((capacity, n_actions), np.int32),
+        reward=np.zeros((capacity, n_actions)),
+        discount=np.zeros((capacity, n_actions)),
+        end_ids=np.full((capacity, n_actions, voters), NO_OPTION, np.int32),
+        end_shares=np.zeros((capacity, n_actions, voters), np.float32),
+        story_reward=np.full((capacity, n_actions), np.nan),
+        story_discount=np.zeros((capacity, n_actions)),
+        story_end=np.full((capacity, n_actions), NO_OPTION, np.int64),
+        value=np.zeros(capacity),
+    )

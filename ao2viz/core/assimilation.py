@@ -1,0 +1,134 @@
+"""Assimilation: letting what was experienced and imagined move the weights."""
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ao2viz.core.decision import NO_OPTION
+from ao2viz.core.experience import Experience
+from ao2viz.core.imagination import Imagination, Rules, backup, imagine, story_value
+from ao2viz.core.inference import Workspace
+from ao2viz.core.search import Columns
+
+# A sweep that moves no value by more than this fraction of the largest ends the sleep.
+_SETTLED = 1e-4
+
+
+@njit(cache=True)
+def imagine_all(
+    columns: Columns,
+    experience: Experience,
+    imagination: Imagination,
+    first_root: int,
+    option: int,
+    rules: Rules,
+    work: Workspace,
+) -> None:
+    """Imagines every action of one option, then renews its weights."""
+    for a in range(columns.weights.shape[1]):
+        imagine(columns, experience, imagination, first_root, option, a, rules, work)
+    backup(columns, imagination, option)
+
+
+@njit(cache=True)
+def assimilate(
+    columns: Columns,
+    experience: Experience,
+    imagination: Imagination,
+    heads: NDArray[np.int64],
+    option: int,
+    action: int,
+    recent: NDArray[np.int64],
+    cursors: NDArray[np.int64],
+    rules: Rules,
+    work: Workspace,
+) -> None:
+    """One step's worth of thinking: about what just happened, then a little about the rest.
+
+    `recent` holds the latest options, the newest last; the two `cursors` walk over all (option,
+    action) pairs and all options, from the newest to the oldest and round again.
+    """
+    n_actions = columns.weights.shape[1]
+    n_rows = heads[1]
+    imagine(columns, experience, imagination, heads[0], option, action, rules, work)
+    for n in range(recent.shape[0] - 1, -1, -1):
+        backup(columns, imagination, recent[n])
+    for _ in range(rules.refreshes):
+        cursors[0] -= 1
+        if cursors[0] < 0 or cursors[0] >= n_rows * n_actions:
+            cursors[0] = n_rows * n_actions - 1
+        other = cursors[0] // n_actions
+        if columns.is_alive[other]:
+            imagine(
+                columns,
+                experience,
+                imagination,
+                heads[0],
+                other,
+                cursors[0] % n_actions,
+                rules,
+                work,
+            )
+    for _ in range(rules.backups):
+        cursors[1] -= 1
+        if cursors[1] < 0 or cursors[1] >= n_rows:
+            cursors[1] = n_rows - 1
+        if columns.is_alive[cursors[1]]:
+            backup(columns, imagination, cursors[1])
+
+
+@njit(cache=True)
+def settle(
+    columns: Columns,
+    experience: Experience,
+    imagination: Imagination,
+    heads: NDArray[np.int64],
+    sweeps: int,
+    rules: Rules,
+    work: Workspace,
+) -> int:
+    """Imagines everything anew and backs up until the values rest; returns the sweeps taken."""
+    for option in range(heads[1]):
+        if columns.is_alive[option]:
+            for a in range(columns.weights.shape[1]):
+                imagine(columns, experience, imagination, heads[0], option, a, rules, work)
+    for sweep in range(sweeps):
+        moved, largest = 0.0, 0.0
+        for option in range(heads[1] - 1, -1, -1):
+            if columns.is_alive[option]:
+                moved = max(moved, backup(columns, imagination, option))
+                largest = max(largest, abs(imagination.value[option]))
+        if moved <= _SETTLED * largest:
+            return sweep + 1
+    return sweeps
+
+
+@njit(cache=True)
+def keep_stories(
+    imagination: Imagination,
+    options: NDArray[np.int64],
+    actions: NDArray[np.int64],
+    rewards: NDArray[np.float64],
+    end: int,
+    gamma: float,
+    first: int,
+) -> None:
+    """Keeps the real trace that left each (option, action) if it beats the one kept so far.
+
+    The trace is `options[first:]` with its actions and rewards, ending at option `end`
+    (NO_OPTION: the task ended there). Every later start in it is a trace of its own.
+    """
+    reward, discount = 0.0, 1.0
+    for n in range(options.shape[0] - 1, -1, -1):
+        reward = rewards[n] + gamma * reward
+        discount *= gamma
+        if n > first:
+            continue
+        worth = reward
+        if end >= 0:
+            worth += discount * imagination.value[end]
+        kept = story_value(imagination, options[n], actions[n])
+        if np.isnan(kept) or worth > kept:
+            imagination.story_reward[options[n], actions[n]] = reward
+            imagination.story_discount[options[n], actions[n]] = 0.0 if end < 0 else discount
+            imagination.story_end[options[n], actions[n]] = end if end >= 0 else NO_OPTION

@@ -1,0 +1,36 @@
+"""Attention: how much each feature counts, found from how much it varies."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+class RunningSpread:
+    """Mean and standard deviation of every observation so far (Welford, 1962).
+
+    `D` counts features. Kept as one array so that it is saved as it is.
+    """
+
+    def __init__(self, n_features: int) -> None:
+        self.moments = np.zeros((3, n_features))  # Count, mean, sum of squared gaps.
+
+    def add(self, observation: NDArray[np.float64]) -> None:
+        """Takes one more observation [D] into account."""
+        count, mean, squares = self.moments
+        count += 1
+        gap = observation - mean
+        mean += gap / count
+        squares += gap * (observation - mean)
+
+    @property
+    def deviation(self) -> NDArray[np.float64]:
+        """[D] standard deviations; 0 before the second observation."""
+        return np.sqrt(self.moments[2] / np.maximum(self.moments[0], 1))
+
+
+def attention_from(deviation: NDArray[np.float64], width: float) -> NDArray[np.float64]:
+    """[D] weights under which `width` standard deviations are one unit of distance.
+
+    A feature that never varied tells nothing apart and gets weight 0.
+    """
+    varies = deviation > 1e-12
+    return np.where(varies, 1.0 / (width * np.where(varies, deviation, 1.0)), 0.0)

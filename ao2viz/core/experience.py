@@ -1,0 +1,119 @@
+"""What follows each action: running means of experience, and predictions made from them."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ao2viz.core.inference import Workspace, closeness, kernel_width, solve_local_linear
+from ao2viz.core.search import Columns, find_nearest
+
+# A prediction needs an option that tried the action within this many radii.
+_KNOWN_WITHIN = 4.0
+
+
+class Experience(NamedTuple):
+    """Per option and action, running means over its visits; vectors are scaled by attention."""
+
+    reward: NDArray[np.float32]  # [C, A] per step.
+    displacement: NDArray[np.float32]  # [C, A, D] next observation minus observation.
+    origin: NDArray[np.float32]  # [C, A, D] where the action was tried from.
+    ending: NDArray[np.float32]  # [C, A] chance that the task ended (time limits do not count).
+
+
+@njit(cache=True)
+def record(
+    columns: Columns,
+    experience: Experience,
+    option: int,
+    action: int,
+    before: NDArray[np.float64],
+    after: NDArray[np.float64],
+    reward: float,
+    terminated: bool,
+    cap: int,
+) -> None:
+    """Adds one step to the running means; past `cap` visits the oldest fade."""
+    columns.visits[option, action] += 1
+    rate = np.float32(1.0 / min(columns.visits[option, action], cap))
+    experience.reward[option, action] += rate * (
+        np.float32(reward) - experience.reward[option, action]
+    )
+    ended = np.float32(1.0) if terminated else np.float32(0.0)
+    experience.ending[option, action] += rate * (ended - experience.ending[option, action])
+    for d in range(before.shape[0]):
+        moved = np.float32(after[d] - before[d])
+        experience.displacement[option, action, d] += rate * (
+            moved - experience.displacement[option, action, d]
+        )
+        experience.origin[option, action, d] += rate * (
+            np.float32(before[d]) - experience.origin[option, action, d]
+        )
+
+
+@njit(cache=True)
+def merge(columns: Columns, experience: Experience, option: int, heir: int, cap: int) -> None:
+    """Adds an option's experience to its heir's, each mean counting for its visits."""
+    for a in range(columns.visits.shape[1]):
+        new = min(columns.visits[option, a], cap)
+        if new == 0:
+            continue
+        old = min(columns.visits[heir, a], cap)
+        rate = np.float32(new / (old + new))
+        columns.visits[heir, a] += columns.visits[option, a]
+        experience.reward[heir, a] += rate * (
+            experience.reward[option, a] - experience.reward[heir, a]
+        )
+        experience.ending[heir, a] += rate * (
+            experience.ending[option, a] - experience.ending[heir, a]
+        )
+        for d in range(experience.origin.shape[2]):
+            experience.displacement[heir, a, d] += rate * (
+                experience.displacement[option, a, d] - experience.displacement[heir, a, d]
+            )
+            experience.origin[heir, a, d] += rate * (
+                experience.origin[option, a, d] - experience.origin[heir, a, d]
+            )
+
+
+@njit(cache=True)
+def predict(
+    columns: Columns,
+    experience: Experience,
+    first_root: int,
+    state: NDArray[np.float64],
+    action: int,
+    radius: float,
+    ridge: float,
+    work: Workspace,
+) -> bool:
+    """Writes what an action is expected to do at a (scaled) state into `work.effect`.
+
+    A local linear regression over the most similar options that tried the action: displacement
+    [D], reward, chance of ending. False if none of them is close enough to know.
+    """
+    reach = _KNOWN_WITHIN * radius
+    count = find_nearest(
+        columns, first_root, state, action, 1.5 * reach, work.scratch, work.ids, work.distances
+    )
+    if count == 0 or work.distances[0] > reach:
+        return False
+    n_features = state.shape[0]
+    width = kernel_width(work.distances[0], radius)
+    for n in range(count):
+        option = work.ids[n]
+        work.kernel[n] = closeness(work.distances[n], width)
+        for d in range(n_features):
+            work.offsets[n, d] = (experience.origin[option, action, d] - state[d]) / width
+    solve_local_linear(work, count, ridge)
+    work.effect[:] = 0.0
+    for n in range(count):
+        share = work.shares[n]
+        option = work.ids[n]
+        for d in range(n_features):
+            work.effect[d] += share * experience.displacement[option, action, d]
+        work.effect[n_features] += share * experience.reward[option, action]
+        work.effect[n_features + 1] += share * experience.ending[option, action]
+    work.effect[n_features + 1] = min(max(work.effect[n_features + 1], 0.0), 1.0)
+    return True

@@ -1,0 +1,131 @@
+"""Imagining: repeating an action in the mind until the situation has changed, and where it ends."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ao2viz.core.decision import NO_OPTION
+from ao2viz.core.experience import Experience, predict
+from ao2viz.core.inference import Workspace, find_shares
+from ao2viz.core.search import Columns, distance
+
+# An imagined repetition ends this many radii away from where it began.
+_LEAVES_AT = 1.5
+
+
+class Rules(NamedTuple):
+    """The settings that compiled code needs, as plain numbers."""
+
+    gamma: float
+    radius: float  # Of the finest option.
+    levels: int
+    cap: int
+    effect_ridge: float
+    share_ridge: float
+    imagine_limit: int
+    refreshes: int
+    backups: int
+
+
+class Imagination(NamedTuple):
+    """Per option and action: the imagined story that its weight rests on."""
+
+    steps: NDArray[np.int32]  # [C, A] repetitions imagined; 0: nothing is known.
+    reward: NDArray[np.float64]  # [C, A] discounted sum over them.
+    discount: NDArray[np.float64]  # [C, A] of what comes after: gamma^steps · chance of going on.
+    end_ids: NDArray[np.int32]  # [C, A, K] options where it ends, NO_OPTION past the last.
+    end_shares: NDArray[np.float32]  # [C, A, K] how much each of them has a say there.
+    story_reward: NDArray[np.float64]  # [C, A] of the best real trace from here; NaN: none kept.
+    story_discount: NDArray[np.float64]  # [C, A]
+    story_end: NDArray[np.int64]  # [C, A] the option where that trace ended, or NO_OPTION.
+    value: NDArray[np.float64]  # [C] the greatest weight.
+
+
+@njit(cache=True)
+def imagine(
+    columns: Columns,
+    experience: Experience,
+    imagination: Imagination,
+    first_root: int,
+    option: int,
+    action: int,
+    rules: Rules,
+    work: Workspace,
+) -> None:
+    """Repeats an action from an option's value until it is left behind.
+
+    That is an option in the sense of Sutton, Precup and Singh (1999), its length found by itself.
+    """
+    n_features = columns.scaled.shape[1]
+    state = work.state
+    state[:] = columns.scaled[option]
+    reward, discount = 0.0, 1.0
+    steps = 0
+    while steps < rules.imagine_limit:
+        if not predict(
+            columns, experience, first_root, state, action, rules.radius, rules.effect_ridge, work
+        ):
+            break
+        steps += 1
+        reward += discount * work.effect[n_features]
+        discount *= rules.gamma * (1.0 - work.effect[n_features + 1])
+        for d in range(n_features):
+            state[d] += work.effect[d]
+        if distance(columns.scaled, option, state) > _LEAVES_AT * rules.radius:
+            break
+    imagination.steps[option, action] = steps
+    imagination.reward[option, action] = reward
+    imagination.discount[option, action] = discount
+    if steps == 0:
+        return
+    count = find_shares(columns, first_root, state, rules.radius, rules.share_ridge, work)
+    kept = 0
+    for n in range(count):
+        if work.shares[n] > 0.0:
+            imagination.end_ids[option, action, kept] = work.ids[n]
+            imagination.end_shares[option, action, kept] = work.shares[n]
+            kept += 1
+    for n in range(kept, imagination.end_ids.shape[2]):
+        imagination.end_ids[option, action, n] = NO_OPTION
+        imagination.end_shares[option, action, n] = 0.0
+
+
+@njit(cache=True)
+def backup(columns: Columns, imagination: Imagination, option: int) -> float:
+    """Renews an option's weights from its stories; returns by how much its value moved.
+
+    A weight is what the imagined story earns plus what is expected where it ends, or what the
+    best real trace earned, if that is more. Where nothing is known it is 0.
+    """
+    best = -np.inf
+    for a in range(columns.weights.shape[1]):
+        weight = 0.0
+        known = imagination.steps[option, a] > 0
+        if known:
+            after = 0.0
+            for n in range(imagination.end_ids.shape[2]):
+                end = imagination.end_ids[option, a, n]
+                if end < 0:
+                    break
+                after += imagination.end_shares[option, a, n] * imagination.value[end]
+            weight = imagination.reward[option, a] + imagination.discount[option, a] * after
+        story = story_value(imagination, option, a)
+        if not np.isnan(story) and (not known or story > weight):
+            weight = story
+        columns.weights[option, a] = weight
+        best = max(best, weight)
+    change = abs(best - imagination.value[option])
+    imagination.value[option] = best
+    return change
+
+
+@njit(cache=True)
+def story_value(imagination: Imagination, option: int, action: int) -> float:
+    """What the kept real trace is worth today; NaN if none is kept."""
+    worth = imagination.story_reward[option, action]
+    end = imagination.story_end[option, action]
+    if end >= 0:
+        worth += imagination.story_discount[option, action] * imagination.value[end]
+    return worth

@@ -1,0 +1,230 @@
+"""Who speaks and how loudly: the shares of the most similar options, and the decision they make."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
+from ao2viz.core.forest import Forest
+from ao2viz.core.search import ANY_ACTION, Columns, Scratch, distance, find_nearest, make_scratch
+
+
+class Workspace(NamedTuple):
+    """Work space for one query with at most K options of D features; allocated once."""
+
+    scratch: Scratch
+    ids: NDArray[np.int64]  # [K]
+    distances: NDArray[np.float64]  # [K]
+    kernel: NDArray[np.float64]  # [K] closeness of each option, in [0, 1].
+    offsets: NDArray[np.float64]  # [K, D] from the query, in kernel widths.
+    normal: NDArray[np.float64]  # [D + 1, D + 1]
+    solution: NDArray[np.float64]  # [D + 1]
+    shares: NDArray[np.float64]  # [K]
+    effect: NDArray[np.float64]  # [D + 2] displacement, reward, chance of ending.
+    state: NDArray[np.float64]  # [D] where an imagination has got to.
+
+
+def make_workspace(capacity: int, voters: int, n_features: int) -> Workspace:
+    """Work space for a forest of this capacity."""
+    return Workspace(
+        make_scratch(capacity),
+        np.empty(voters, np.int64),
+        np.empty(voters),
+        np.empty(voters),
+        np.empty((voters, n_features)),
+        np.empty((n_features + 1, n_features + 1)),
+        np.empty(n_features + 1),
+        np.empty(voters),
+        np.empty(n_features + 2),
+        np.empty(n_features),
+    )
+
+
+@njit(cache=True)
+def kernel_width(nearest: float, radius: float) -> float:
+    """How far options still have a say: two radii, or half again as far as the nearest."""
+    return max(2.0 * radius, 1.5 * nearest)
+
+
+@njit(cache=True)
+def closeness(d: float, width: float) -> float:
+    """Weight of an option at distance d: 1 at the query, falling to 0 at the kernel width."""
+    gap = 1.0 - d / width
+    return gap * gap if gap > 0.0 else 0.0
+
+
+@njit(cache=True)
+def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
+    """Shares whose weighted sum is the local linear (ridge) regression's value at the query.
+
+    Reads `kernel` and `offsets`, writes `shares`, which add up to 1 but may be negative. Source:
+    Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, section 6.1.1
+    (equivalent kernel), with a ridge on the slopes.
+    """
+    d1 = work.offsets.shape[1] + 1
+    a, c = work.normal, work.solution
+    total = 0.0
+    for i in range(d1):
+        for j in range(i + 1):
+            a[i, j] = 0.0
+    for n in range(count):
+        k = work.kernel[n]
+        if k == 0.0:
+            continue
+        total += k
+        for i in range(1, d1):
+            ki = k * work.offsets[n, i - 1]
+            a[i, 0] += ki
+            for j in range(1, i + 1):
+                a[i, j] += ki * work.offsets[n, j - 1]
+    a[0, 0] = total
+    for i in range(1, d1):
+        a[i, i] += ridge * total
+    # Cholesky, in place in the lower triangle; the ridge keeps every pivot positive.
+    for j in range(d1):
+        s = a[j, j]
+        for k2 in range(j):
+            s -= a[j, k2] * a[j, k2]
+        a[j, j] = np.sqrt(max(s, 1e-12 * total))
+        for i in range(j + 1, d1):
+            s = a[i, j]
+            for k2 in range(j):
+                s -= a[i, k2] * a[j, k2]
+            a[i, j] = s / a[j, j]
+    for i in range(d1):
+        s = 1.0 if i == 0 else 0.0
+        for j in range(i):
+            s -= a[i, j] * c[j]
+        c[i] = s / a[i, i]
+    for i in range(d1 - 1, -1, -1):
+        s = c[i]
+        for j in range(i + 1, d1):
+            s -= a[j, i] * c[j]
+        c[i] = s / a[i, i]
+    for n in range(count):
+        s = c[0]
+        for i in range(1, d1):
+            s += c[i] * work.offsets[n, i - 1]
+        work.shares[n] = s * work.kernel[n]
+
+
+@njit(cache=True)
+def find_shares(
+    columns: Columns,
+    first_root: int,
+    query: NDArray[np.float64],
+    radius: float,
+    ridge: float,
+    work: Workspace,
+) -> int:
+    """Writes the most similar options and their shares (at least 0, sum 1); returns how many."""
+    count = find_nearest(
+        columns, first_root, query, ANY_ACTION, np.inf, work.scratch, work.ids, work.distances
+    )
+    if count == 0:
+        return 0
+    width = kernel_width(work.distances[0], radius)
+    for n in range(count):
+        work.kernel[n] = closeness(work.distances[n], width)
+        for d in range(query.shape[0]):
+            work.offsets[n, d] = (columns.scaled[work.ids[n], d] - query[d]) / width
+    solve_local_linear(work, count, ridge)
+    total = 0.0
+    for n in range(count):
+        work.shares[n] = max(work.shares[n], 0.0)
+        total += work.shares[n]
+    for n in range(count):
+        work.shares[n] /= total
+    return count
+
+
+@njit(cache=True)
+def weigh_actions(
+    columns: Columns,
+    first_root: int,
+    query: NDArray[np.float64],
+    by_vote: bool,
+    radius: float,
+    ridge: float,
+    work: Workspace,
+    action_values: NDArray[np.float64],
+) -> int:
+    """Writes what each action is expected to earn; returns how many options were looked at.
+
+    The options stay in the work space. By path the first of them has all the say, and the second
+    is there as the runner-up.
+    """
+    count = find_shares(columns, first_root, query, radius, ridge, work)
+    if not by_vote and count > 0:
+        work.shares[0] = 1.0
+        for n in range(1, count):
+            work.shares[n] = 0.0
+    for a in range(action_values.shape[0]):
+        total = 0.0
+        for n in range(count):
+            if work.shares[n] > 0.0:
+                total += work.shares[n] * columns.weights[work.ids[n], a]
+        action_values[a] = total
+    return count
+
+
+@njit(cache=True)
+def trace_paths(
+    columns: Columns,
+    query: NDArray[np.float64],
+    voters: NDArray[np.int64],
+    paths: NDArray[np.int64],
+    distances: NDArray[np.float64],
+) -> None:
+    """Writes each voter's path from its root, with the query's distance to every option on it."""
+    for n in range(voters.shape[0]):
+        option = voters[n]
+        while option >= 0:
+            paths[n, columns.depths[option]] = option
+            distances[n, columns.depths[option]] = distance(columns.scaled, option, query)
+            option = columns.parents[option]
+
+
+def decide(
+    forest: Forest,
+    observation: NDArray[np.float64],
+    decide_by: DecideBy,
+    radius: float,
+    ridge: float,
+    work: Workspace,
+) -> Decision:
+    """The greedy decision for an observation [D], with everything that led to it.
+
+    Ties go to the first action and are marked. With an empty forest nobody speaks, every action
+    is expected to earn 0, and it is a tie.
+    """
+    query = forest.attention * observation
+    action_values = np.zeros(forest.n_actions)
+    by_vote = decide_by is DecideBy.VOTE
+    count = weigh_actions(
+        forest.columns, forest.heads[0], query, by_vote, radius, ridge, work, action_values
+    )
+    speaking = count if by_vote else min(count, 1)
+    voters = work.ids[:speaking].copy()
+    length = int(forest.columns.depths[voters].max()) + 1 if speaking else 0
+    paths = np.full((speaking, length), NO_OPTION, np.int64)
+    distances = np.full((speaking, length), np.nan)
+    trace_paths(forest.columns, query, voters, paths, distances)
+    best = int(np.argmax(action_values))
+    return Decision(
+        observation=observation,
+        action=best,
+        decide_by=decide_by,
+        action_values=action_values,
+        voters=voters,
+        shares=work.shares[:speaking].copy(),
+        voter_weights=forest.columns.weights[voters],
+        paths=paths,
+        path_distances=distances,
+        runner_up_option=int(work.ids[1]) if count > 1 else NO_OPTION,
+        runner_up_distance=float(work.distances[1]) if count > 1 else np.nan,
+        explored=False,
+        is_tie=int(np.count_nonzero(action_values == action_values[best])) > 1,
+    )

@@ -1,0 +1,186 @@
+"""The `paper` preset: the closest reading of Hakimzadeh, Xue and Setoodeh that learns.
+
+Where the paper is silent or contradicts itself, `docs/algorithm.md` says how it was settled.
+"""
+
+from collections import deque
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ao2viz.core.arrays import Arrays, take_array
+from ao2viz.core.config import Credit, PaperConfig
+from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
+from ao2viz.core.forest import Forest, ForestView
+from ao2viz.core.growth import GrowthEvent
+from ao2viz.core.inference import decide, make_workspace, weigh_actions
+
+
+class PaperLearner:
+    """Algorithms 1 to 3 of the paper; see `Learner` for the life of an episode.
+
+    Similarity is 1 - mean(|U - V| / range), so with attention 1 / (D · range) the distance of
+    equation 1 is 1 - similarity. All options form one schema, as Algorithm 2 grows it.
+    """
+
+    def __init__(
+        self,
+        config: PaperConfig,
+        ranges: NDArray[np.float64],
+        n_actions: int,
+        rng: np.random.Generator,
+    ) -> None:
+        self.config = config
+        self.n_steps = 0
+        self._rng = rng
+        self._n_actions = n_actions
+        self._forest = Forest(len(ranges), n_actions, 1.0 / (len(ranges) * ranges))
+        self._renew_workspace()
+        self._observation = np.zeros(len(ranges))
+        self._forget_episode()
+
+    def start(self, observation: NDArray[np.float64]) -> tuple[GrowthEvent, ...]:
+        """Begins an episode; see `Learner`."""
+        self._forget_episode()
+        return self._accommodate(observation)
+
+    def decide(self, explore: bool = True) -> Decision:
+        """Decides for the latest observation, ties at random; see `Learner`."""
+        decision = replace(self.decide_at(self._observation), created=self._created)
+        if explore and self.config.epsilon > 0 and self._rng.random() < self.config.epsilon:
+            return replace(decision, action=int(self._rng.integers(self._n_actions)), explored=True)
+        if explore and decision.is_tie:
+            best = np.flatnonzero(decision.action_values == decision.action_values.max())
+            return replace(decision, action=int(self._rng.choice(best)))
+        return decision
+
+    def observe(
+        self,
+        decision: Decision,
+        reward: float,
+        observation: NDArray[np.float64],
+        terminated: bool,
+        truncated: bool,
+    ) -> tuple[GrowthEvent, ...]:
+        """Reforms the structure, then applies the reward; see `Learner`."""
+        self.n_steps += 1
+        if self.config.failure_only:
+            reward = -1.0 if terminated else 0.0
+        self._forest.columns.visits[self._here, decision.action] += 1
+        self._trace.append((self._here, decision.action, reward))
+        events = self._accommodate(observation)
+        self._assimilate(reward, ended=terminated or truncated, terminated=terminated)
+        return events
+
+    def decide_at(self, observation: NDArray[np.float64]) -> Decision:
+        """What it would do if it saw this; see `Learner`."""
+        return decide(
+            self._forest,
+            observation,
+            self.config.decide_by,
+            self._radius,
+            self.config.share_ridge,
+            self._work,
+        )
+
+    def act_at(self, observation: NDArray[np.float64]) -> int:
+        """The action of `decide_at`; see `Learner`."""
+        forest, values = self._forest, np.zeros(self._n_actions)
+        weigh_actions(
+            forest.columns,
+            forest.heads[0],
+            forest.attention * observation,
+            self.config.decide_by is DecideBy.VOTE,
+            self._radius,
+            self.config.share_ridge,
+            self._work,
+            values,
+        )
+        return int(np.argmax(values))
+
+    def sleep(self) -> None:
+        """The paper knows no sleep; nothing is left to settle."""
+
+    def set_decide_by(self, decide_by: DecideBy) -> None:
+        """Switches between vote and path; see `Learner`."""
+        self.config = replace(self.config, decide_by=decide_by)
+
+    def view(self) -> ForestView:
+        """A frozen copy of the forest; see `Learner`."""
+        return self._forest.view()
+
+    def get_state(self) -> Arrays:
+        """Copies of everything needed to continue; see `Learner`."""
+        return {**self._forest.get_state(), "counters": np.array([self.n_steps], np.int64)}
+
+    def set_state(self, state: Arrays) -> None:
+        """Takes over what `get_state` gave; see `Learner`."""
+        forest = Forest(self._forest.n_features, self._n_actions, self._forest.attention)
+        forest.set_state(state)
+        self.n_steps = int(take_array(state, "counters", (1,), np.int64)[0])
+        self._forest = forest
+        self._renew_workspace()
+        self._forget_episode()
+
+    @property
+    def _radius(self) -> float:
+        """An option stands for what lies within this distance of it."""
+        return max(1.0 - self.config.threshold, 1e-9)
+
+    def _forget_episode(self) -> None:
+        self._here = NO_OPTION
+        self._created = NO_OPTION
+        # (option, action, reward), the newest last.
+        self._trace: deque[tuple[int, int, float]] = deque(maxlen=self.config.trace_length)
+
+    def _renew_workspace(self) -> None:
+        self._work = make_workspace(
+            self._forest.capacity, self.config.voters, self._forest.n_features
+        )
+
+    def _accommodate(self, observation: NDArray[np.float64]) -> tuple[GrowthEvent, ...]:
+        """Algorithm 2: a child for the most similar option, if that is not similar enough."""
+        self._observation = observation
+        ids, distances = self._forest.nearest(observation)
+        # Similarity > threshold, written as a distance.
+        if len(ids) and 1.0 - distances[0] > self.config.threshold:
+            self._here, self._created = int(ids[0]), NO_OPTION
+            return ()
+        capacity = self._forest.capacity
+        parent = int(ids[0]) if len(ids) else NO_OPTION
+        event = self._forest.add(observation, parent, self.n_steps)
+        if self._forest.capacity != capacity:
+            self._renew_workspace()
+        self._here = self._created = event.option
+        return (event,)
+
+    def _assimilate(self, reward: float, ended: bool, terminated: bool) -> None:
+        """Algorithm 3: gives each action of the trace its part of what was earned."""
+        trace, config = self._trace, self.config
+        if config.credit is Credit.ACCUMULATE:
+            credit = reward
+            for option, action, _ in reversed(trace):
+                self._forest.columns.weights[option, action] += credit
+                credit *= config.gamma
+            return
+        after = 0.0
+        if config.credit is Credit.BOOTSTRAP and not terminated:
+            after = float(self._forest.columns.weights[self._here].max())
+        if len(trace) == config.trace_length:
+            self._move_weight(after)
+        if ended:
+            # The last actions of an episode get what there was to earn.
+            while trace:
+                self._move_weight(after)
+                trace.popleft()
+
+    def _move_weight(self, after: float) -> None:
+        """Moves the oldest action's weight towards the discounted return of its trace."""
+        earned = after
+        for _, _, reward in reversed(self._trace):
+            earned = reward + self.config.gamma * earned
+        option, action, _ = self._trace[0]
+        columns = self._forest.columns
+        rate = max(self.config.step_size, 1.0 / columns.visits[option, action])
+        columns.weights[option, action] += rate * (earned - columns.weights[option, action])
