@@ -1,0 +1,1 @@
+"""Where options stand on the screen: arrays in, arrays out; numpy only."""
