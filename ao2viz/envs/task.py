@@ -2,6 +2,9 @@
 
 import difflib
 import itertools
+import os
+import sys
+import warnings
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,6 +19,8 @@ from ao2viz.envs.catalogue import CATALOGUE, Entry, Feature
 # Torques of a one-dimensional action, then values per axis for two and three dimensions.
 DEFAULT_ACTION_BINS = {1: 5, 2: 3, 3: 3}
 MAX_ACTION_BINS = 101
+# Every option owns every action: more would be too many to learn, and to read.
+MAX_ACTIONS = 1_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,19 +57,42 @@ class TaskSpec:
 def make_env(env_id: str, *, render: bool = False) -> gym.Env:
     """Makes a registered environment, ready to draw pictures if asked.
 
+    "module:EnvId" imports the module first, so that it can register the id. One that cannot draw is made without pictures.
+
     Raises:
         ValueError: If Gymnasium does not know the id or cannot make it; says what is near.
     """
+    if render:
+        _draw_without_a_screen()
     try:
-        return gym.make(env_id, render_mode="rgb_array" if render else None)
-    except (gym.error.Error, ImportError, TypeError) as error:
-        # TypeError: an environment without render_mode; one without pictures still trains.
-        if render and isinstance(error, TypeError | gym.error.Error) and env_id in gym.registry:
+        with warnings.catch_warnings():
+            # CartPole-v0 is in the catalogue because the paper used it; it still works.
+            warnings.filterwarnings("ignore", message=".*is out of date.*")
+            return gym.make(env_id, render_mode="rgb_array" if render else None)
+    except Exception as error:
+        # Constructors may raise anything; one that knows no render_mode still trains.
+        if render and env_id.rpartition(":")[2] in gym.registry:
             return make_env(env_id)
-        near = difflib.get_close_matches(env_id, list(gym.registry), n=3)
-        hint = f" Did you mean {' or '.join(near)}?" if near else ""
-        reason = str(error).split("\n", maxsplit=1)[0]
-        raise ValueError(f"Could not make the environment {env_id!r}: {reason}.{hint}") from error
+        raise ValueError(_cannot_make(env_id, error)) from error
+
+
+def _cannot_make(env_id: str, error: Exception) -> str:
+    near = [] if env_id in gym.registry else difflib.get_close_matches(env_id, gym.registry, n=2)
+    hint = f" Did you mean {' or '.join(near)}?" if near else ""
+    reason = str(error).strip().split("\n", maxsplit=1)[0] or type(error).__name__
+    # Gymnasium guesses at names too, but not at ids that can be made.
+    reason = reason.split(" Did you mean", maxsplit=1)[0].rstrip(".")
+    return f"Could not make the environment {env_id!r}: {reason}.{hint}"
+
+
+def _draw_without_a_screen() -> None:
+    """Lets pygame draw into memory on machines without a display or sound."""
+    os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    if sys.platform.startswith("linux") and not (
+        os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
+    ):
+        os.environ.setdefault("SDL_VIDEODRIVER", "dummy")
+        os.environ.setdefault("SDL_AUDIODRIVER", "dummy")
 
 
 def describe(env: gym.Env, action_bins: int | None = None) -> TaskSpec:
@@ -109,20 +137,24 @@ def to_observation(raw: Any, spec: TaskSpec) -> NDArray[np.float64]:
     """Checks an observation and gives it as a float64 array of shape [D].
 
     Raises:
-        ValueError: If it has another shape or is not finite.
+        ValueError: If it is not numbers, has another shape or is not finite.
     """
-    observation = np.asarray(raw, np.float64)
+    try:
+        observation = np.array(raw, np.float64)  # A copy: some environments reuse theirs.
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"Expected an observation of {spec.n_features} numbers from {spec.env_id}, but got "
+            f"{type(raw).__name__}."
+        ) from None
     if observation.shape != (spec.n_features,):
         raise ValueError(
             f"Expected an observation of shape ({spec.n_features},), one number per feature of "
             f"{spec.env_id}, but it had shape {observation.shape}."
         )
     if not np.isfinite(observation).all():
-        bad = [spec.features[i].name for i in np.flatnonzero(~np.isfinite(observation))]
-        raise ValueError(
-            f"Expected finite observations, but {spec.env_id} gave {observation[~np.isfinite(observation)][0]}"
-            f" for {', '.join(bad)}."
-        )
+        bad = np.flatnonzero(~np.isfinite(observation))
+        told = ", ".join(f"{spec.features[i].name} = {observation[i]}" for i in bad)
+        raise ValueError(f"Expected finite observations, but {spec.env_id} gave {told}.")
     return observation
 
 
@@ -133,6 +165,11 @@ def _actions(
     if isinstance(space, spaces.Discrete):
         if action_bins is not None:
             raise ValueError(f"action_bins is for continuous actions; {env_id} has {space}.")
+        if space.n > MAX_ACTIONS:
+            raise ValueError(
+                f"Expected at most {MAX_ACTIONS:,} actions, but {env_id} has {space.n:,}. Wrap it "
+                f"so that it offers fewer."
+            )
         names = entry.actions
         if len(names) != space.n:
             names = tuple(f"action {i}" for i in range(int(space.n)))
@@ -147,6 +184,11 @@ def _actions(
     bins = DEFAULT_ACTION_BINS[dims] if action_bins is None else action_bins
     if isinstance(bins, bool) or not isinstance(bins, int) or not 2 <= bins <= MAX_ACTION_BINS:
         raise ValueError(f"Expected action_bins from 2 to {MAX_ACTION_BINS}, but got {bins!r}.")
+    if bins**dims > MAX_ACTIONS:
+        raise ValueError(
+            f"Expected at most {MAX_ACTIONS:,} actions, but {bins} values on each of {dims} axes "
+            f"are {bins**dims:,}. Choose fewer action_bins."
+        )
     axes = [np.linspace(low, high, bins) for low, high in zip(space.low, space.high, strict=True)]
     grid = np.array(list(itertools.product(*axes)), np.float64)
     word = "torque" if env_id.startswith("Pendulum") else "action"

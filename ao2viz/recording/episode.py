@@ -38,7 +38,9 @@ class Episode:
         return float(self.rewards.sum())
 
 
-def pack_decisions(decisions: Sequence[Decision], n_features: int, n_actions: int) -> dict[str, NDArray]:
+def pack_decisions(
+    decisions: Sequence[Decision], n_features: int, n_actions: int
+) -> dict[str, NDArray]:
     """Decisions as plain arrays [T, …], padded; `unpack_decisions` gives them back exactly."""
     t = len(decisions)
     k = max((len(d.voters) for d in decisions), default=0)

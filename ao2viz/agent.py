@@ -1,0 +1,349 @@
+"""The agent as a Python programmer meets it: learn, predict, decide, save, load."""
+
+import contextlib
+import difflib
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import fields
+from typing import Any, Self
+
+import gymnasium as gym
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ao2viz.core.agent import make_learner
+from ao2viz.core.config import Config, Preset, change_config, make_config, preset_of
+from ao2viz.core.decision import DecideBy, Decision
+from ao2viz.core.forest import ForestView
+from ao2viz.envs.task import TaskSpec, describe, make_env, settings_for, to_observation
+from ao2viz.recording.episode import Episode
+from ao2viz.recording.growth_log import GrowthLog
+from ao2viz.recording.history import History
+from ao2viz.store.errors import AgentFileError
+from ao2viz.store.files import read, write
+from ao2viz.store.saved import SavedAgent, get_generator, set_generator
+from ao2viz.training.loop import Stepper, StepResult, evaluation_seed, play, training_seed
+
+Callback = Callable[[StepResult], bool | None]
+
+
+class AO2:
+    """An AO2 agent and its environment, in the habit of stable-baselines3.
+
+    ```python
+    agent = AO2("CartPole-v1")
+    agent.learn(20_000)
+    print(agent.evaluate(episodes=100).mean())
+    agent.save("cartpole.ao2")
+    ```
+
+    The same environment, preset, seed and settings give the same agent, to the bit. Not safe to
+    share between threads: one agent has one owner.
+    """
+
+    def __init__(
+        self,
+        env: str | gym.Env,
+        preset: Preset | str = Preset.ANTICIPATING,
+        seed: int = 0,
+        **overrides: Any,
+    ) -> None:
+        """Makes an agent that has learned nothing yet.
+
+        Args:
+            env: A Gymnasium id ("module:EnvId" imports the module first) or an environment.
+            preset: "anticipating" or "paper".
+            seed: Everything random comes from it, the seeds of training episodes included.
+            overrides: Settings of the preset, on top of those proven for a catalogued
+                environment, and `action_bins`: how many values per axis continuous actions get.
+
+        Raises:
+            ValueError: If the environment does not fit, or a setting is unknown or out of range.
+        """
+        kind = _to_preset(preset)
+        _check_names(kind, overrides)
+        self._env: gym.Env | None = make_env(env) if isinstance(env, str) else _check_env(env)
+        self.spec: TaskSpec = describe(self._env, overrides.pop("action_bins", None))
+        config = change_config(make_config(kind, settings_for(self.spec, kind)), overrides)
+        self._setup(config, _to_seed(seed))
+
+    def _setup(self, config: Config, seed: int) -> None:
+        self.seed = seed
+        self.history = History()
+        self.growth = GrowthLog()
+        self.episodes: list[Episode] = []
+        self._rng = np.random.default_rng(seed)
+        self._learner = make_learner(config, self.spec.ranges, self.spec.n_actions, self._rng)
+
+    @property
+    def config(self) -> Config:
+        """Every setting, frozen."""
+        return self._learner.config
+
+    @property
+    def preset(self) -> Preset:
+        """Which of the two agents this is."""
+        return preset_of(self.config)
+
+    @property
+    def env(self) -> gym.Env:
+        """Its environment; made when first asked for after a load.
+
+        Raises:
+            ValueError: If it cannot be made from its id; `load` takes one then.
+        """
+        if self._env is None:
+            self._env = _match(make_env(self.spec.env_id), self.spec)
+        return self._env
+
+    @property
+    def num_timesteps(self) -> int:
+        """Steps learned from so far."""
+        return self._learner.n_steps
+
+    @property
+    def forest(self) -> ForestView:
+        """A frozen copy of its options; see `ForestView`."""
+        return self._learner.view()
+
+    def learn(
+        self,
+        total_timesteps: int,
+        callback: Callback | None = None,
+        progress_bar: bool = False,
+    ) -> Self:
+        """Learns for so many more steps, from a fresh episode on, then lets it settle.
+
+        Args:
+            total_timesteps: Steps to take.
+            callback: Called after every step with its `StepResult`; returning False stops early.
+            progress_bar: Shows one in the terminal.
+
+        Raises:
+            ValueError: If the environment gives numbers that are not finite. Whatever it raises
+                itself passes through too; what was learned until then is kept.
+        """
+        stepper = self.stepper()
+        with _progress(total_timesteps) if progress_bar else _silence() as advance:
+            for _ in range(total_timesteps):
+                result = stepper.step()
+                advance()
+                if callback is not None and callback(result) is False:
+                    break
+        self.settle()
+        return self
+
+    def stepper(self) -> Stepper:
+        """Learns step by step, for loops of one's own; call `settle` when done."""
+        return Stepper(
+            self.env,
+            self.spec,
+            self._learner,
+            lambda: training_seed(self._rng),
+            learns=True,
+            history=self.history,
+            growth=self.growth,
+        )
+
+    def settle(self) -> None:
+        """Lets what was learned settle; `learn` ends with it."""
+        self._learner.sleep()
+
+    def set_decide_by(self, decide_by: DecideBy | str) -> None:
+        """Switches between "vote" and "path"; allowed at any time.
+
+        Raises:
+            ValueError: If it is neither.
+        """
+        name = decide_by.value if isinstance(decide_by, DecideBy) else decide_by
+        config = change_config(self.config, {"decide_by": name})
+        self._learner.set_decide_by(config.decide_by)
+
+    def decide(self, observation: ArrayLike) -> Decision:
+        """What it would do, greedily, if it saw this, and everything that led to it."""
+        return self._learner.decide_at(to_observation(observation, self.spec))
+
+    def predict(
+        self,
+        observation: NDArray,
+        state: Any = None,
+        episode_start: Any = None,
+        deterministic: bool = True,
+    ) -> tuple[Any, Any]:
+        """Actions in the environment's own terms, as stable-baselines3's algorithms give them.
+
+        Args:
+            observation: One of shape [D], or a batch [n, D] as vectorised environments give.
+            state: Comes back unchanged; AO2 has none.
+            episode_start: Not needed.
+            deterministic: Accepted for compatibility; AO2 always answers with the action it
+                expects the most of.
+
+        Returns:
+            What `env.step` wants for one observation; for a batch an array with one action a
+            row. And `state`.
+        """
+        del episode_start, deterministic
+        if np.ndim(observation) != 2:
+            observed = to_observation(observation, self.spec)
+            return self.spec.to_env_action(self._learner.act_at(observed)), state
+        chosen = [
+            self.spec.to_env_action(self._learner.act_at(to_observation(row, self.spec)))
+            for row in observation
+        ]
+        return np.array(chosen), state
+
+    def evaluate(self, episodes: int = 100, seed: int = 0) -> NDArray[np.float64]:
+        """The return of each of so many greedy episodes; learns nothing.
+
+        Episode i starts from `evaluation_seed(seed, i)`, which training never draws.
+        """
+        return np.array(
+            [
+                play(self.env, self.spec, self._learner.act_at, evaluation_seed(seed, i))
+                for i in range(episodes)
+            ],
+            np.float64,
+        )
+
+    def record_episode(self, seed: int) -> Episode:
+        """Plays one greedy episode with every decision, and adds it to `episodes`.
+
+        The environment is reset with exactly this seed.
+        """
+        stepper = Stepper(self.env, self.spec, self._learner, lambda: seed, learns=False)
+        while not stepper.step().has_ended:
+            pass
+        episode = stepper.episode()
+        assert episode is not None  # It has at least the step just taken.
+        self.episodes.append(episode)
+        return episode
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes everything to one .ao2 file; a kill at any moment leaves the old or the new.
+
+        Raises:
+            OSError: If the file cannot be written.
+        """
+        write(path, self.to_saved())
+
+    def to_saved(self) -> SavedAgent:
+        """Everything that a file holds, as frozen copies."""
+        return SavedAgent(
+            spec=self.spec,
+            config=self.config,
+            seed=self.seed,
+            n_steps=self.num_timesteps,
+            state=self._learner.get_state(),
+            generator=get_generator(self._rng),
+            history=self.history.to_array(),
+            growth=self.growth.to_arrays(),
+            growth_dropped=self.growth.dropped,
+            episodes=tuple(self.episodes),
+        )
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str], env: str | gym.Env | None = None) -> "AO2":
+        """The agent that `save` wrote; it continues as if it had never stopped, to the bit.
+
+        Args:
+            path: The .ao2 file.
+            env: Its environment; made from the id in the file, when first needed, if not given.
+
+        Raises:
+            AgentFileError: If the file is not an agent, broken, or from a newer ao2viz.
+            ValueError: If `env` does not fit the agent.
+        """
+        return cls.from_saved(read(path), env)
+
+    @classmethod
+    def from_saved(cls, saved: SavedAgent, env: str | gym.Env | None = None) -> "AO2":
+        """The agent of a file that was read; see `load`."""
+        agent = cls.__new__(cls)
+        agent.spec = saved.spec
+        given = make_env(env) if isinstance(env, str) else env
+        agent._env = None if given is None else _match(_check_env(given), saved.spec)
+        agent._setup(saved.config, saved.seed)
+        try:
+            agent._learner.set_state(dict(saved.state))
+        except ValueError as error:
+            raise AgentFileError(f"What this agent learned is not sound: {error}") from error
+        set_generator(agent._rng, saved.generator)
+        agent.history = History.from_array(saved.history)
+        agent.growth = GrowthLog.from_arrays(dict(saved.growth), saved.growth_dropped)
+        agent.episodes = list(saved.episodes)
+        return agent
+
+    def __repr__(self) -> str:
+        return (
+            f"<AO2 {self.preset.value} on {self.spec.env_id}: {len(self.forest):,} options after "
+            f"{self.num_timesteps:,} steps>"
+        )
+
+
+def _to_preset(preset: Preset | str) -> Preset:
+    try:
+        return Preset(preset)
+    except ValueError:
+        names = " or ".join(repr(kind.value) for kind in Preset)
+        raise ValueError(f"Expected preset to be {names}, but got {preset!r}.") from None
+
+
+def _to_seed(seed: int) -> int:
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:
+        raise ValueError(f"Expected seed to be a whole number from 0 on, but got {seed!r}.")
+    return int(seed)
+
+
+def _check_names(preset: Preset, overrides: dict[str, Any]) -> None:
+    known = ["action_bins", *(field.name for field in fields(make_config(preset, {})))]
+    for name in overrides:
+        if name not in known:
+            near = difflib.get_close_matches(name, known, n=1)
+            hint = f" Did you mean {near[0]!r}?" if near else ""
+            raise ValueError(
+                f"There is no setting {name!r} in the {preset.value} preset.{hint} Valid "
+                f"settings: {', '.join(known)}."
+            )
+
+
+def _check_env(env: Any) -> gym.Env:
+    if not isinstance(env, gym.Env):
+        raise ValueError(
+            f"Expected a Gymnasium id or a single gymnasium.Env, but got {type(env).__name__}."
+        )
+    return env
+
+
+def _match(env: gym.Env, spec: TaskSpec) -> gym.Env:
+    """The environment, if an agent made for `spec` can act in it."""
+    came = describe(env, spec.action_bins)
+    same_grid = (came.action_grid is None) == (spec.action_grid is None) and (
+        came.action_grid is None or np.array_equal(came.action_grid, spec.action_grid)
+    )
+    if (came.n_features, came.n_actions, came.action_offset) != (
+        spec.n_features,
+        spec.n_actions,
+        spec.action_offset,
+    ) or not same_grid:
+        raise ValueError(
+            f"This agent learned on {spec.env_id}, with {spec.n_features} features and the "
+            f"actions {', '.join(spec.action_names)}; {came.env_id} has {came.n_features} "
+            f"features and the actions {', '.join(came.action_names)}. Give it its own "
+            f"environment."
+        )
+    return env
+
+
+@contextlib.contextmanager
+def _silence() -> Iterator[Callable[[], None]]:
+    yield lambda: None
+
+
+@contextlib.contextmanager
+def _progress(total: int) -> Iterator[Callable[[], None]]:
+    from rich.progress import Progress  # noqa: PLC0415  Slow to import, rarely needed.
+
+    with Progress() as progress:
+        task = progress.add_task("Learning", total=total)
+        yield lambda: progress.advance(task)

@@ -1,0 +1,127 @@
+"""Recorded episodes as plain arrays, and back, checked."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ao2viz.envs.task import TaskSpec
+from ao2viz.recording.episode import Episode, pack_decisions, unpack_decisions
+from ao2viz.store.errors import AgentFileError
+from ao2viz.store.manifest import EpisodeHeader
+
+# Arrays of the decisions: type and dimensions, as in `Decision`; T steps, K voters, P path.
+# Observation and action of each decision are those of the episode and not stored again.
+DECISIONS: Mapping[str, tuple[str, str]] = {
+    "by_vote": ("bool", "T"),
+    "action_values": ("float64", "TA"),
+    "n_voters": ("int32", "T"),
+    "path_length": ("int32", "T"),
+    "voters": ("int32", "TK"),
+    "shares": ("float64", "TK"),
+    "voter_weights": ("float64", "TKA"),
+    "paths": ("int32", "TKP"),
+    "path_distances": ("float64", "TKP"),
+    "runner_up_option": ("int32", "T"),
+    "runner_up_distance": ("float64", "T"),
+    "explored": ("bool", "T"),
+    "is_tie": ("bool", "T"),
+    "created": ("int32", "T"),
+}
+_FINITE = ("action_values", "shares", "voter_weights")
+_IDS = ("voters", "paths", "runner_up_option", "created")
+
+
+def episode_to_arrays(episode: Episode, spec: TaskSpec) -> dict[str, NDArray]:
+    """Every array of an episode, by its name inside the episode's folder.
+
+    Raises:
+        ValueError: If the decisions are not those of the episode.
+    """
+    packed = pack_decisions(episode.decisions, spec.n_features, spec.n_actions)
+    if not (
+        np.array_equal(packed.pop("observation"), episode.observations[:-1])
+        and np.array_equal(packed.pop("action"), episode.actions)
+    ):
+        raise ValueError("Expected an episode's decisions to be about its own steps.")
+    return {
+        "observations": episode.observations,
+        "actions": episode.actions,
+        "rewards": episode.rewards,
+        **{f"decisions/{name}": array for name, array in packed.items()},
+    }
+
+
+def episode_from_arrays(
+    header: EpisodeHeader, arrays: Mapping[str, NDArray], spec: TaskSpec, n_rows: int
+) -> Episode:
+    """The episode that `episode_to_arrays` took apart.
+
+    Args:
+        header: What the manifest says of it.
+        arrays: Its arrays.
+        spec: The agent's task.
+        n_rows: Options ever made; no decision may name another.
+
+    Raises:
+        AgentFileError: If anything does not fit anything else.
+    """
+    t, d, a = header.steps, spec.n_features, spec.n_actions
+    observations = _take(arrays, "observations", "float64", (t + 1, d))
+    actions = _take(arrays, "actions", "int64", (t,))
+    rewards = _take(arrays, "rewards", "float64", (t,))
+    k, p = arrays.get("decisions/paths", np.empty((0, 0, 0))).shape[-2:]
+    sizes = {"T": t, "A": a, "K": k, "P": p}
+    packed = {
+        name: _take(arrays, f"decisions/{name}", dtype, tuple(sizes[letter] for letter in shape))
+        for name, (dtype, shape) in DECISIONS.items()
+    }
+    if len(arrays) != len(packed) + 3:
+        raise AgentFileError("Expected only the known arrays in a recorded episode.")
+    _expect(np.isfinite(observations).all() and np.isfinite(rewards).all(), "finite observations")
+    _expect(((actions >= 0) & (actions < a)).all(), f"actions below {a}")
+    for name in _FINITE:
+        _expect(np.isfinite(packed[name]).all(), f"finite {name}")
+    for name in _IDS:
+        _expect(((packed[name] >= -1) & (packed[name] < n_rows)).all(), f"{name} among the options")
+    spoke = np.arange(k) < packed["n_voters"][:, None]
+    _expect(((packed["n_voters"] >= 0) & (packed["n_voters"] <= k)).all(), f"at most {k} voters")
+    _expect(
+        ((packed["path_length"] >= 0) & (packed["path_length"] <= p)).all(),
+        f"paths of at most {p} options",
+    )
+    _expect((packed["voters"][spoke] >= 0).all(), "an option for every voter")
+    _expect((packed["shares"] >= 0).all(), "shares of at least 0")
+    if spoke.any():
+        _expect(p > 0 and (packed["paths"][spoke][:, 0] >= 0).all(), "a path for every voter")
+        _expect((packed["path_length"][spoke.any(axis=1)] > 0).all(), "a path for every voter")
+    packed = {"observation": observations[:-1], "action": actions.astype(np.int32), **packed}
+    return Episode(
+        env_id=spec.env_id,
+        seed=header.seed,
+        observations=observations,
+        actions=actions,
+        rewards=rewards,
+        decisions=unpack_decisions(packed),
+        terminated=header.terminated,
+        truncated=header.truncated,
+        started_at=header.started_at,
+        is_training=header.is_training,
+    )
+
+
+def _take(arrays: Mapping[str, NDArray], name: str, dtype: str, shape: tuple[int, ...]) -> NDArray:
+    array = arrays.get(name)
+    if array is None:
+        raise AgentFileError(f"Expected {name!r} in a recorded episode, but there is none.")
+    if array.shape != shape or array.dtype.name != dtype:
+        raise AgentFileError(
+            f"Expected {name!r} of a recorded episode to be {dtype} of shape {shape}, but it is "
+            f"{array.dtype.name} of shape {array.shape}."
+        )
+    return array
+
+
+def _expect(is_so: bool | np.bool_, what: str) -> None:
+    if not is_so:
+        raise AgentFileError(f"Expected {what} in a recorded episode.")

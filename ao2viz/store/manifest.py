@@ -1,0 +1,347 @@
+"""The manifest of an agent file: what it says, how it is checked, how old ones are upgraded."""
+
+import json
+import math
+import platform
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib import metadata
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ao2viz.core.config import Preset, config_to_dict, make_config
+from ao2viz.envs.catalogue import CATALOGUE, Entry, Feature
+from ao2viz.envs.task import MAX_ACTION_BINS, MAX_ACTIONS, TaskSpec
+from ao2viz.store.archive import Member
+from ao2viz.store.errors import AgentFileError, quote
+from ao2viz.store.saved import Generator, SavedAgent
+
+FORMAT = "ao2viz-agent"
+FORMAT_VERSION = 1
+MAX_TEXT = 200
+MAX_FEATURES = 10_000
+MAX_EPISODES = 1_000
+_MAX_INT = 2**62
+
+Json = dict[str, Any]
+T = TypeVar("T")
+
+# From each older version to the next, on plain data; the reader below knows only the newest.
+UPGRADES: Mapping[int, Callable[[Json], Json]] = {}
+
+
+@dataclass(frozen=True)
+class EpisodeHeader:
+    """What the manifest says of a recorded episode; its arrays are members."""
+
+    seed: int
+    steps: int
+    total_reward: float
+    terminated: bool
+    truncated: bool
+    started_at: int
+    is_training: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Manifest:
+    """A checked manifest."""
+
+    created_at: str
+    versions: Mapping[str, str]
+    spec: TaskSpec
+    preset: Preset
+    settings: Mapping[str, Any]
+    seed: int
+    n_steps: int
+    n_options: int
+    mean_return: float | None  # Of the latest up to 100 training episodes.
+    generator: Generator
+    growth_dropped: int
+    episodes: tuple[EpisodeHeader, ...]
+    members: Mapping[str, Member]
+
+
+def to_json(saved: SavedAgent, members: Mapping[str, Member], created_at: str) -> bytes:
+    """The manifest of an agent whose arrays are `members`."""
+    recent = saved.history[-100:, 1]
+    manifest: Json = {
+        "format": FORMAT,
+        "format_version": FORMAT_VERSION,
+        "created_at": created_at,
+        "versions": library_versions(),
+        "task": _task_to_json(saved.spec),
+        "preset": saved.preset.value,
+        "settings": config_to_dict(saved.config),
+        "seed": saved.seed,
+        "n_steps": saved.n_steps,
+        "n_options": len(saved.forest_view()),
+        "mean_return": float(recent.mean()) if len(recent) else None,
+        "generator": dict(saved.generator),
+        "growth_dropped": saved.growth_dropped,
+        "episodes": [
+            {
+                "seed": episode.seed,
+                "steps": len(episode),
+                "total_reward": episode.total_reward,
+                "terminated": episode.terminated,
+                "truncated": episode.truncated,
+                "started_at": episode.started_at,
+                "is_training": episode.is_training,
+            }
+            for episode in saved.episodes
+        ],
+        "members": {name: member.to_json() for name, member in members.items()},
+    }
+    return json.dumps(manifest, allow_nan=False, ensure_ascii=False, indent=1).encode()
+
+
+def from_json(content: bytes) -> Manifest:
+    """Reads, upgrades and checks a manifest.
+
+    Raises:
+        AgentFileError: Naming the first field that is not as it should be.
+    """
+    top = _Fields(upgrade(_parse(content)), "manifest")
+    preset = Preset(top.one_of("preset", [kind.value for kind in Preset]))
+    settings = top.mapping("settings")
+    _check_settings(preset, settings)
+    spec = _task_from_json(_Fields(top.mapping("task"), "task"))
+    return Manifest(
+        created_at=top.text("created_at"),
+        versions={
+            name: top.check_text(name, text) for name, text in top.mapping("versions").items()
+        },
+        spec=spec,
+        preset=preset,
+        settings=settings,
+        seed=top.whole("seed", most=2**63 - 1),
+        n_steps=top.whole("n_steps"),
+        n_options=top.whole("n_options"),
+        mean_return=None if top.raw("mean_return") is None else top.number("mean_return"),
+        generator=_generator(_Fields(top.mapping("generator"), "generator")),
+        growth_dropped=top.whole("growth_dropped"),
+        episodes=tuple(
+            _episode(_Fields(raw, f"episode {i}"))
+            for i, raw in enumerate(top.items("episodes", MAX_EPISODES))
+        ),
+        members={name: Member.from_json(name, raw) for name, raw in top.mapping("members").items()},
+    )
+
+
+def upgrade(manifest: Json) -> Json:
+    """Brings a manifest to `FORMAT_VERSION`; an up-to-date one comes back as it was.
+
+    Raises:
+        AgentFileError: If it is not an agent's, or from a newer ao2viz.
+    """
+    if manifest.get("format") != FORMAT:
+        raise AgentFileError(
+            f"Expected the manifest of an agent ({FORMAT!r}), but its format is "
+            f"{quote(manifest.get('format'))}."
+        )
+    version = _Fields(manifest, "manifest").whole("format_version")
+    if version > FORMAT_VERSION:
+        raise AgentFileError(
+            f"This agent needs a newer ao2viz: its format is {version}, and {FORMAT_VERSION} is "
+            f"the newest known here."
+        )
+    while version < FORMAT_VERSION:
+        if version not in UPGRADES:
+            raise AgentFileError(f"There has never been a format {version} of agent files.")
+        manifest = UPGRADES[version](manifest) | {"format_version": version + 1}
+        version += 1
+    return manifest
+
+
+def library_versions() -> dict[str, str]:
+    """What an agent was made with."""
+    libraries = ("ao2viz", "gymnasium", "numba", "numpy")
+    return {"python": platform.python_version()} | {name: _version(name) for name in libraries}
+
+
+def _version(name: str) -> str:
+    try:
+        return metadata.version(name)
+    except metadata.PackageNotFoundError:  # Run from a folder, without installing.
+        return "unknown"
+
+
+class _Fields:
+    """One JSON object; gives its fields checked."""
+
+    def __init__(self, fields: Any, where: str) -> None:
+        if not isinstance(fields, dict):
+            raise AgentFileError(f"Expected {where} to be an object, but it is {quote(fields)}.")
+        self._fields, self._where = fields, where
+
+    def raw(self, name: str) -> Any:
+        if name not in self._fields:
+            raise AgentFileError(f"Expected {name!r} in the {self._where}, but there is none.")
+        return self._fields[name]
+
+    def _take(self, name: str, expected: str, accept: Callable[[Any], bool]) -> Any:
+        value = self.raw(name)
+        if not accept(value):
+            raise AgentFileError(
+                f"Expected {name!r} in the {self._where} to be {expected}, but it is "
+                f"{quote(value)}."
+            )
+        return value
+
+    def whole(self, name: str, least: int = 0, most: int = _MAX_INT) -> int:
+        return self._take(
+            name,
+            f"a whole number of at least {least}",
+            lambda value: type(value) is int and least <= value <= most,
+        )
+
+    def number(self, name: str) -> float:
+        return float(
+            self._take(
+                name,
+                "a finite number",
+                lambda value: type(value) in (int, float) and abs(value) < 1e300,
+            )
+        )
+
+    def truth(self, name: str) -> bool:
+        return self._take(name, "true or false", lambda value: isinstance(value, bool))
+
+    def text(self, name: str) -> str:
+        return self.check_text(name, self.raw(name))
+
+    def check_text(self, name: str, value: Any) -> str:
+        if not (isinstance(value, str) and len(value) <= MAX_TEXT and value.isprintable()):
+            raise AgentFileError(
+                f"Expected {quote(name)} in the {self._where} to be at most {MAX_TEXT} printable "
+                f"characters, but it is {quote(value)}."
+            )
+        return value
+
+    def one_of(self, name: str, choices: list[str]) -> str:
+        return self._take(name, " or ".join(choices), lambda value: value in choices)
+
+    def mapping(self, name: str) -> Json:
+        return self._take(name, "an object", lambda value: isinstance(value, dict))
+
+    def items(self, name: str, most: int) -> list[Any]:
+        return self._take(
+            name,
+            f"a list of at most {most:,}",
+            lambda value: isinstance(value, list) and len(value) <= most,
+        )
+
+
+def _parse(content: bytes) -> Json:
+    def refuse(constant: str) -> None:
+        raise ValueError(f"{constant} is not JSON")
+
+    try:
+        manifest = json.loads(content.decode(), parse_constant=refuse)
+    except (ValueError, RecursionError) as error:
+        raise AgentFileError(f"Expected a manifest in JSON, but: {quote(error)}.") from error
+    if not isinstance(manifest, dict):
+        raise AgentFileError(f"Expected the manifest to be an object, not {quote(manifest)}.")
+    return manifest
+
+
+def _check_settings(preset: Preset, settings: Json) -> None:
+    try:
+        config = make_config(preset, settings)
+    except (ValueError, OverflowError) as error:
+        raise AgentFileError(f"A setting does not fit: {error}") from error
+    if lacking := config_to_dict(config).keys() - settings.keys():
+        raise AgentFileError(f"Expected all settings, but {sorted(lacking)[0]!r} is missing.")
+
+
+def _task_to_json(spec: TaskSpec) -> Json:
+    return {
+        "env_id": spec.env_id,
+        "title": spec.title,
+        "features": [
+            {"name": f.name, "unit": f.unit, "scale": f.scale, "range": float(width)}
+            for f, width in zip(spec.features, spec.ranges, strict=True)
+        ],
+        "action_names": list(spec.action_names),
+        "action_grid": None if spec.action_grid is None else spec.action_grid.tolist(),
+        "action_offset": spec.action_offset,
+        "action_bins": spec.action_bins,
+    }
+
+
+def _task_from_json(task: _Fields) -> TaskSpec:
+    env_id, title = task.text("env_id"), task.text("title")
+    if ":" in env_id:  # Gymnasium would import what stands before the colon.
+        raise AgentFileError(f"Expected an environment's plain id, but got {quote(env_id)}.")
+    features, ranges = [], []
+    for i, raw in enumerate(task.items("features", MAX_FEATURES)):
+        one = _Fields(raw, f"feature {i}")
+        ranges.append(one.number("range"))
+        features.append(
+            Feature(one.text("name"), one.text("unit"), one.number("scale"), ranges[-1])
+        )
+    names = tuple(
+        task.check_text("action_names", n) for n in task.items("action_names", MAX_ACTIONS)
+    )
+    if not (features and names and min(ranges) > 0 and all(f.scale for f in features)):
+        raise AgentFileError(
+            "Expected at least one feature and one action, scales other than 0 and positive ranges."
+        )
+    grid, bins = None, task.raw("action_bins")
+    if task.raw("action_grid") is not None:
+        grid = _grid(task.items("action_grid", MAX_ACTIONS), len(names))
+        bins = task.whole("action_bins", 2, MAX_ACTION_BINS)
+    elif bins is not None:
+        raise AgentFileError("Expected no action_bins where actions are discrete.")
+    entry = CATALOGUE.get(env_id, Entry(env_id, title))
+    return TaskSpec(
+        env_id=env_id,
+        title=title,
+        features=tuple(features),
+        action_names=names,
+        ranges=np.array(ranges, np.float64),
+        action_grid=grid,
+        action_offset=task.whole("action_offset", -(2**31), 2**31),
+        action_bins=bins,
+        entry=entry,
+    )
+
+
+def _grid(rows: list[Any], n_actions: int) -> np.ndarray:
+    dims = len(rows[0]) if rows and isinstance(rows[0], list) else 0
+    sound = len(rows) == n_actions and all(
+        isinstance(row, list)
+        and len(row) == dims
+        and all(type(x) in (int, float) and math.isfinite(x) and abs(x) < 1e300 for x in row)
+        for row in rows
+    )
+    if not sound or not 1 <= dims <= 3:
+        raise AgentFileError("Expected action_grid to hold one to three finite numbers an action.")
+    return np.array(rows, np.float64)
+
+
+def _generator(fields: _Fields) -> Generator:
+    state: dict[str, str | int] = {"bit_generator": fields.one_of("bit_generator", ["PCG64"])}
+    for name in ("state", "inc"):
+        text = fields.text(name)
+        digits = text.removeprefix("0x")
+        if not (0 < len(digits) <= 32 and set(digits) <= set("0123456789abcdef")):
+            raise AgentFileError(f"Expected {name!r} of the generator in hexadecimal.")
+        state[name] = text
+    state["has_uint32"] = fields.whole("has_uint32", most=1)
+    state["uinteger"] = fields.whole("uinteger", most=2**32 - 1)
+    return state
+
+
+def _episode(fields: _Fields) -> EpisodeHeader:
+    return EpisodeHeader(
+        seed=fields.whole("seed", most=2**63 - 1),
+        steps=fields.whole("steps", least=1, most=2**31),
+        total_reward=fields.number("total_reward"),
+        terminated=fields.truth("terminated"),
+        truncated=fields.truth("truncated"),
+        started_at=fields.whole("started_at"),
+        is_training=fields.truth("is_training"),
+    )
