@@ -5,4 +5,4 @@ import sys
 from ao2viz.cli import main
 
 if __name__ == "__main__":
-    sys.exit(main(["app", *sys.argv[1:]], program="app.py"))
+    sys.exit(main(program="app.py", command="app"))

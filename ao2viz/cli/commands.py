@@ -115,14 +115,14 @@ def evaluate(
     file: AgentFile,
     episodes: Annotated[int, typer.Option(min=1, help="Greedy episodes to play.")] = 100,
     seed: Annotated[
-        int, typer.Option(min=0, help="Episode number i starts from seed + i.")
-    ] = 1_000_000,
+        int, typer.Option(min=0, help="Which episodes: the same seed, the same ones.")
+    ] = 0,
     as_json: Json = False,
-) -> int:
+) -> None:
     """Play greedy episodes: mean, standard deviation, standard error and every return."""
     from ao2viz.cli.evaluation import run  # noqa: PLC0415 -- heavy.
 
-    return run(file, episodes=episodes, seed=seed, as_json=as_json)
+    run(file, episodes=episodes, seed=seed, as_json=as_json)
 
 
 @app.command()
@@ -130,8 +130,8 @@ def record(
     file: AgentFile,
     episodes: Annotated[int, typer.Option(min=1, help="Greedy episodes to record.")] = 1,
     seed: Annotated[
-        int, typer.Option(min=0, help="Episode number i starts from seed + i.")
-    ] = 1_000_000,
+        int, typer.Option(min=0, help="Which episodes: the same seed, the same ones.")
+    ] = 0,
     out: Annotated[
         Path | None, typer.Option(help="Write to this file and leave FILE as it is.")
     ] = None,
@@ -139,13 +139,11 @@ def record(
         bool, typer.Option("--overwrite", help="Replace the --out file if there is one already.")
     ] = False,
     as_json: Json = False,
-) -> int:
+) -> None:
     """Record greedy episodes, with the decision behind every step, and add them to the file."""
     from ao2viz.cli.evaluation import run_record  # noqa: PLC0415 -- heavy.
 
-    return run_record(
-        file, episodes=episodes, seed=seed, out=out, overwrite=overwrite, as_json=as_json
-    )
+    run_record(file, episodes=episodes, seed=seed, out=out, overwrite=overwrite, as_json=as_json)
 
 
 @app.command()
@@ -160,7 +158,9 @@ def info(file: AgentFile, as_json: Json = False) -> None:
 def list_agents(
     folder: Annotated[
         Path | None,
-        typer.Argument(metavar="[FOLDER]", help="Where to look; the agents that ship with ao2viz."),
+        typer.Argument(
+            metavar="[FOLDER]", help="Where to look; otherwise the bundled agents and runs."
+        ),
     ] = None,
     as_json: Json = False,
 ) -> None:

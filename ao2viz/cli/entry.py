@@ -5,36 +5,39 @@ import sys
 from collections.abc import Sequence
 
 import typer
+from typer.core import TyperGroup
 from typer.main import get_command
 
 from ao2viz.cli.commands import app
 from ao2viz.cli.console import say_error
-
-EXIT_FAILED = 1
-"""The work itself failed, for example an environment that raised in the middle of training."""
-EXIT_USAGE = 2
-"""Asked for something that cannot be: bad flags, missing or broken files, unknown names."""
-EXIT_INTERRUPTED = 130
-"""Ctrl-C, as shells count it: 128 and the signal's number."""
+from ao2viz.cli.exit_codes import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_USAGE
 
 
-def main(arguments: Sequence[str] | None = None, program: str = "ao2viz") -> int:
+def main(
+    arguments: Sequence[str] | None = None, program: str = "ao2viz", command: str | None = None
+) -> int:
     """Runs one command and returns its exit code; prints one line instead of a traceback.
 
     Args:
         arguments: Those after the program's name; None takes the process's own.
         program: How the usage lines call the program.
+        command: The only command this program has; None: all of them.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
+    runnable = get_command(app)
+    if command is None:
+        given = with_default_command(given)
+    elif isinstance(runnable, TyperGroup):
+        runnable = runnable.commands[command]
     try:
-        code = get_command(app).main(
-            with_default_command(given), prog_name=program, standalone_mode=False
-        )
+        code = runnable.main(given, prog_name=program, standalone_mode=False)
         sys.stdout.flush()
     except typer.TyperException as error:
-        say_error(f"{error.format_message()} ({program} --help lists what there is.)")
+        # What typer's own checks call a value error is, for people, just an invalid value.
+        message = error.format_message().replace("Value error, ", "")
+        say_error(f"{message} ({program} --help lists what there is.)")
         return EXIT_USAGE
-    except (KeyboardInterrupt, typer.Abort):
+    except KeyboardInterrupt:
         say_error("Interrupted.")
         return EXIT_INTERRUPTED
     except BrokenPipeError:

@@ -1,0 +1,22 @@
+"""`ao2viz app`: the dashboard, on an agent of one's own or a bundled one."""
+
+from pathlib import Path
+
+from ao2viz.cli.console import say
+from ao2viz.store.files import read
+from ao2viz.ui.app import serve
+
+
+def run(file: Path | None, *, host: str, port: int, open_browser: bool) -> None:
+    """Serves until Ctrl-C.
+
+    Raises:
+        ValueError: If the file is no agent.
+        OSError: If it cannot be read, or the address cannot be listened on.
+    """
+    if file is not None:
+        read(file)  # A broken file is told here, in the terminal, before any page opens.
+    try:
+        serve(file, host=host, port=port, open_browser=open_browser)
+    except KeyboardInterrupt:
+        say("Stopped.")
