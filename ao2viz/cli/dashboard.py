@@ -4,7 +4,6 @@ from pathlib import Path
 
 from ao2viz.cli.console import say
 from ao2viz.store.files import read
-from ao2viz.ui.app import serve
 
 
 def run(file: Path | None, *, host: str, port: int, open_browser: bool) -> None:
@@ -16,6 +15,8 @@ def run(file: Path | None, *, host: str, port: int, open_browser: bool) -> None:
     """
     if file is not None:
         read(file)  # A broken file is told here, in the terminal, before any page opens.
+    from ao2viz.ui.app import serve  # noqa: PLC0415 -- heavy.
+
     try:
         serve(file, host=host, port=port, open_browser=open_browser)
     except KeyboardInterrupt:
