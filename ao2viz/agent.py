@@ -318,14 +318,16 @@ def _check_env(env: Any) -> gym.Env:
 def _match(env: gym.Env, spec: TaskSpec) -> gym.Env:
     """The environment, if an agent made for `spec` can act in it."""
     came = describe(env, spec.action_bins)
-    same_grid = (came.action_grid is None) == (spec.action_grid is None) and (
-        came.action_grid is None or np.array_equal(came.action_grid, spec.action_grid)
+    expected, got = (
+        (
+            task.n_features,
+            task.n_actions,
+            task.action_offset,
+            None if task.action_grid is None else task.action_grid.tolist(),
+        )
+        for task in (spec, came)
     )
-    if (came.n_features, came.n_actions, came.action_offset) != (
-        spec.n_features,
-        spec.n_actions,
-        spec.action_offset,
-    ) or not same_grid:
+    if got != expected:
         raise ValueError(
             f"This agent learned on {spec.env_id}, with {spec.n_features} features and the "
             f"actions {', '.join(spec.action_names)}; {came.env_id} has {came.n_features} "

@@ -57,7 +57,8 @@ class TaskSpec:
 def make_env(env_id: str, *, render: bool = False) -> gym.Env:
     """Makes a registered environment, ready to draw pictures if asked.
 
-    "module:EnvId" imports the module first, so that it can register the id. One that cannot draw is made without pictures.
+    "module:EnvId" imports the module first, so that it can register the id. One that cannot draw
+    is made without pictures.
 
     Raises:
         ValueError: If Gymnasium does not know the id or cannot make it; says what is near.
@@ -174,8 +175,13 @@ def _actions(
         if len(names) != space.n:
             names = tuple(f"action {i}" for i in range(int(space.n)))
         return names, None, int(space.start), None
-    fits = isinstance(space, spaces.Box) and len(space.shape) == 1 and 1 <= space.shape[0] <= 3
-    if not (fits and np.isfinite(space.low).all() and np.isfinite(space.high).all()):
+    if not (
+        isinstance(space, spaces.Box)
+        and len(space.shape) == 1
+        and 1 <= space.shape[0] <= 3
+        and np.isfinite(space.low).all()
+        and np.isfinite(space.high).all()
+    ):
         raise ValueError(
             f"AO2 needs a finite set of actions (Discrete) or a bounded Box of one to three "
             f"dimensions, but {env_id} has {space}. Wrap the environment so that it offers one."

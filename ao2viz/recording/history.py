@@ -1,6 +1,5 @@
 """How training went, episode by episode."""
 
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -16,25 +15,39 @@ class EpisodeSummary(NamedTuple):
     options: int  # Living options when it ended.
 
 
-@dataclass
 class History:
-    """Summaries of every finished training episode, in order."""
+    """Summaries of every finished training episode, in order. Mutable: one owner."""
 
-    summaries: list[EpisodeSummary] = field(default_factory=list)
+    def __init__(self) -> None:
+        self._rows = np.empty((64, len(EpisodeSummary._fields)))
+        self._count = 0
 
     def append(self, summary: EpisodeSummary) -> None:
         """Adds the episode that just ended."""
-        self.summaries.append(summary)
+        if self._count == len(self._rows):
+            self._rows = np.concatenate([self._rows, np.empty_like(self._rows)])
+        self._rows[self._count] = summary
+        self._count += 1
 
     def __len__(self) -> int:
         """Finished episodes."""
-        return len(self.summaries)
+        return self._count
+
+    @property
+    def summaries(self) -> list[EpisodeSummary]:
+        """Every finished episode, the oldest first."""
+        return [
+            EpisodeSummary(int(s), r, int(n), int(o)) for s, r, n, o in self.to_array().tolist()
+        ]
 
     def to_array(self) -> NDArray[np.float64]:
-        """[E, 4] columns as in `EpisodeSummary`."""
-        return np.array(self.summaries, np.float64).reshape(-1, 4)
+        """[E, 4] columns as in `EpisodeSummary`; a copy."""
+        return self._rows[: self._count].copy()
 
     @classmethod
     def from_array(cls, array: NDArray[np.float64]) -> "History":
         """The history that `to_array` wrote."""
-        return cls([EpisodeSummary(int(s), float(r), int(n), int(o)) for s, r, n, o in array])
+        history = cls()
+        history._rows = np.concatenate([array, np.empty((64, array.shape[1]))])
+        history._count = len(array)
+        return history

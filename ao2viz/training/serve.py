@@ -1,0 +1,53 @@
+"""The loop of a worker on its own: commands in, work, the newest update out."""
+
+import time
+from collections.abc import Callable, Sequence
+
+from ao2viz.training.states import RunCommand, RunStatus
+from ao2viz.training.updates import RunUpdate
+from ao2viz.training.worker import Worker
+
+MIN_INTERVAL_S = 0.1
+"""Between two updates of a run; changes that people wait for are shown at once."""
+MAX_SHARE = 0.05
+"""Of the time that making updates may take from training."""
+_BUDGET_S = 0.02  # The longest that a command waits while training.
+
+Receive = Callable[[float | None], Sequence[RunCommand] | None]
+"""Waits at most so many seconds (None: for ever) for commands; gives None when it is time to go."""
+
+
+class Pace:
+    """When the next update is due: rarer the more it costs to make one."""
+
+    def __init__(self) -> None:
+        self.interval_s = MIN_INTERVAL_S
+        self._last = -MIN_INTERVAL_S
+
+    def is_due(self, now: float) -> bool:
+        """Whether enough time has passed."""
+        return now - self._last >= self.interval_s
+
+    def note(self, began: float, ended: float) -> None:
+        """Takes notice of an update that was made."""
+        self._last = ended
+        self.interval_s = max(MIN_INTERVAL_S, (ended - began) / MAX_SHARE)
+
+
+def serve(worker: Worker, receive: Receive, publish: Callable[[RunUpdate], None]) -> None:
+    """Runs a worker until `receive` says that it is time to go, then closes it."""
+    pace, shown, wait_s = Pace(), -1, 0.0
+    while (commands := receive(wait_s)) is not None:
+        for command in commands:
+            worker.handle(command)
+        now = time.perf_counter()
+        is_running = worker.status is RunStatus.RUNNING
+        if worker.changes != shown or (is_running and pace.is_due(now)):
+            # Read before, as drawing a picture may have something to tell as well.
+            shown = worker.changes
+            publish(worker.update())
+            pace.note(now, time.perf_counter())
+        wait_s = worker.advance(_BUDGET_S)
+        if worker.changes != shown:
+            wait_s = 0.0
+    worker.close()

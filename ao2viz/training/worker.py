@@ -1,0 +1,382 @@
+"""The owner of agent, environment and generator: commands in, steps taken, updates out.
+
+No threads, no sleeping, no queues: a runner calls `handle`, `advance` and `update` in turn.
+"""
+
+import time
+from collections import deque
+from collections.abc import Callable, Iterator
+
+import numpy as np
+
+from ao2viz.agent import AO2
+from ao2viz.envs.task import make_env
+from ao2viz.store.files import read
+from ao2viz.training.frames import draw
+from ao2viz.training.loop import Stepper
+from ao2viz.training.states import (
+    TRANSITIONS,
+    Pause,
+    Resume,
+    RunCommand,
+    RunEpisode,
+    RunStatus,
+    Save,
+    SetDecideBy,
+    SetSpeed,
+    Start,
+    Step,
+    Stop,
+)
+from ao2viz.training.updates import RunUpdate
+from ao2viz.training.warmup import warm_up
+
+# A throttled run sleeps at least this long at a time, then catches up.
+_SHORTEST_WAIT_S = 0.002
+# Steps a second are counted over about this long.
+_SPEED_WINDOW_S = 2.0
+
+_WORDS: dict[type[RunCommand], str] = {
+    Start: "start a run",
+    Resume: "resume",
+    Pause: "pause",
+    Step: "take a single step",
+    RunEpisode: "run an episode",
+    Stop: "stop",
+    Save: "save",
+    SetSpeed: "change the speed",
+    SetDecideBy: "change who decides",
+}
+
+
+class Worker:
+    """One run after the other. Not safe to share between threads."""
+
+    def __init__(
+        self, runs_before: int = 0, clock: Callable[[], float] = time.perf_counter
+    ) -> None:
+        """Makes an idle worker.
+
+        Args:
+            runs_before: The number of the latest run of a worker that this one replaces.
+            clock: Seconds; for throttling and for counting steps a second.
+        """
+        self.changes = 0  # Raised by whatever people should see at once.
+        self._clock = clock
+        self._status = RunStatus.IDLE
+        self._message, self._is_error = "", False
+        self._run_id = runs_before
+        self._start = Start()
+        self._agent: AO2 | None = None
+        self._stepper: Stepper | None = None
+        self._preparing: Iterator[None] | None = None
+        self._status_before = RunStatus.IDLE
+        self._single_steps = 0  # Asked for while paused and not taken yet.
+        self._pauses_at_end = False  # Holds when the episode ends.
+        self._first_step = 0
+        self._speed: float | None = None
+        self._throttle = (0.0, 0)  # When and at which step throttling began.
+        self._pace: deque[tuple[float, int]] = deque()  # (time, step) while running.
+        self._frame: bytes | None = None
+        self._framed_at = -1
+        self._draws = True
+
+    @property
+    def status(self) -> RunStatus:
+        """What the run is doing."""
+        return self._status
+
+    @property
+    def agent(self) -> AO2 | None:
+        """The agent of the run, None before the first."""
+        return self._agent
+
+    def handle(self, command: RunCommand) -> None:
+        """Does what is asked if it is legal now, else says in words why not. Never raises."""
+        target = TRANSITIONS.get((self._status, type(command)))
+        if target is None:
+            self._tell(
+                f"Cannot {_WORDS[type(command)]} while the run is {self._status.value}.",
+                is_error=True,
+            )
+            return
+        match command:
+            case Start():
+                self._status_before = self._status
+                self._preparing = self._prepare(command)
+                self._tell(f"Making {command.env_id}.")
+            case Save():
+                self._save(command)
+            case SetSpeed():
+                self._set_speed(command.steps_per_s)
+                return
+            case SetDecideBy():
+                self._require_agent().set_decide_by(command.decide_by)
+                self._tell(f"Decides by {command.decide_by.value} from now on.")
+            case Stop():
+                self._stop()
+            case Step():
+                self._single_steps += 1
+            case Pause() | Resume() | RunEpisode():
+                self._pauses_at_end = isinstance(command, RunEpisode)
+                self._tell("")
+        self._go(target)
+
+    def advance(self, budget_s: float) -> float | None:
+        """Works for about so long. Never raises; what the environment raises fails the run.
+
+        Returns:
+            Seconds until there is more to do: 0 for at once, None for not before a command.
+        """
+        if self._preparing is not None:
+            self._advance_preparing()
+            return 0.0
+        try:
+            if self._status is RunStatus.RUNNING:
+                return self._train(budget_s)
+            if self._status is RunStatus.PAUSED and self._single_steps:
+                self._single_steps -= 1
+                self._take_step()
+                self.changes += 1
+                if self._is_done:
+                    self._finish()
+                return 0.0
+        except Exception as error:
+            self._fail(error)
+        return None
+
+    def update(self) -> RunUpdate:
+        """Everything there is to show now."""
+        agent, stepper = self._agent, self._stepper
+        general = RunUpdate(
+            status=self._status,
+            message=self._message,
+            is_error=self._is_error,
+            run_id=self._run_id,
+        )
+        if agent is None or stepper is None:
+            return general
+        holds = self._status not in (RunStatus.RUNNING, RunStatus.PREPARING)
+        steps_per_s = self._measure_speed()
+        left = self._first_step + self._start.total_steps - agent.num_timesteps
+        return RunUpdate(
+            status=general.status,
+            message=general.message,
+            is_error=general.is_error,
+            run_id=general.run_id,
+            spec=agent.spec,
+            preset=agent.preset,
+            seed=agent.seed,
+            decide_by=agent.config.decide_by,
+            n_steps=agent.num_timesteps,
+            first_step=self._first_step,
+            total_steps=self._start.total_steps,
+            steps_per_s=steps_per_s,
+            eta_s=left / steps_per_s if steps_per_s > 0 else None,
+            episode_reward=stepper.episode_reward,
+            episode_step=stepper.episode_step,
+            history=agent.history.to_array(),
+            forest=agent.forest,
+            decision=None if stepper.last is None else stepper.last.decision,
+            frame=self._draw(),
+            episode=stepper.episode() if holds else None,
+        )
+
+    def close(self) -> None:
+        """Lets go of the environment."""
+        if self._agent is not None:
+            self._close_env(self._agent)
+
+    # Preparing.
+
+    def _prepare(self, start: Start) -> Iterator[None]:
+        """Yields wherever a command may be handled and the status be shown."""
+        yield
+        agent = _make_agent(start)
+        self._tell("Compiling; the first time on a machine, this takes up to a minute.")
+        yield
+        warm_up(agent.config, agent.spec.n_features, agent.spec.n_actions)
+        # A stop that was asked for meanwhile is handled here, before the first step.
+        yield
+        if self._agent is not None:
+            self._close_env(self._agent)
+        self._agent, self._stepper = agent, agent.stepper()
+        self._start = start
+        self._run_id += 1
+        self._first_step = agent.num_timesteps
+        self._single_steps, self._pauses_at_end = 0, False
+        self._frame, self._framed_at, self._draws = None, -1, True
+
+    def _advance_preparing(self) -> None:
+        assert self._preparing is not None
+        try:
+            next(self._preparing)
+        except StopIteration:
+            self._preparing = None
+            self._tell("")
+            self._go(RunStatus.RUNNING)
+        except Exception as error:
+            # Nothing has changed yet: whatever was there before still is.
+            self._preparing = None
+            self._tell(_in_words(error), is_error=True)
+            self._go(self._status_before)
+
+    # Training.
+
+    @property
+    def _is_done(self) -> bool:
+        return self._require_agent().num_timesteps >= self._first_step + self._start.total_steps
+
+    def _train(self, budget_s: float) -> float | None:
+        deadline = self._clock() + budget_s
+        while not self._is_done:
+            now = self._clock()
+            if now >= deadline:
+                return 0.0
+            if (wait_s := self._wait_s(now)) > 0:
+                return wait_s
+            if self._take_step() and self._pauses_at_end:
+                self._pauses_at_end = False
+                self._go(RunStatus.PAUSED)
+                return None
+        if self._message != _SETTLING:
+            self._tell(_SETTLING)  # Shown before the work begins; it can take seconds.
+            return 0.0
+        self._finish()
+        return None
+
+    def _take_step(self) -> bool:
+        """Whether the episode ended with it."""
+        assert self._stepper is not None
+        return self._stepper.step().has_ended
+
+    def _finish(self) -> None:
+        agent = self._require_agent()
+        agent.settle()
+        self._tell(f"Finished: {agent.num_timesteps:,} steps, {len(agent.forest):,} options.")
+        self._go(RunStatus.FINISHED)
+
+    def _stop(self) -> None:
+        if self._preparing is not None:
+            self._preparing = None
+            self.close()
+            self._agent, self._stepper = None, None
+            self._tell("Stopped before the first step.")
+            return
+        agent = self._require_agent()
+        self._single_steps = 0
+        agent.settle()
+        self._tell(f"Stopped after {agent.num_timesteps:,} steps.")
+
+    def _fail(self, error: Exception) -> None:
+        agent = self._require_agent()
+        self._single_steps = 0
+        self._tell(
+            f"{agent.spec.env_id} failed after {agent.num_timesteps:,} steps: {_in_words(error)} "
+            f"What was learned is kept: save it, or resume with a fresh episode.",
+            is_error=True,
+        )
+        self._go(RunStatus.FAILED)
+
+    def _save(self, command: Save) -> None:
+        try:
+            self._require_agent().save(command.path)
+        except (OSError, ValueError) as error:
+            self._tell(f"Could not save to {command.path}: {_in_words(error)}", is_error=True)
+        else:
+            self._tell(f"Saved to {command.path}.")
+
+    # Speed.
+
+    def _set_speed(self, steps_per_s: float | None) -> None:
+        if steps_per_s is not None and not (np.isfinite(steps_per_s) and steps_per_s > 0):
+            self._tell(
+                f"Expected more than 0 steps a second, but got {steps_per_s}.", is_error=True
+            )
+            return
+        self._speed = steps_per_s
+        self._restart_clocks()
+
+    def _restart_clocks(self) -> None:
+        n_steps = 0 if self._agent is None else self._agent.num_timesteps
+        self._throttle = (self._clock(), n_steps)
+        self._pace.clear()
+
+    def _wait_s(self, now: float) -> float:
+        """How long a throttled run must wait before its next step."""
+        if self._speed is None:
+            return 0.0
+        began, first = self._throttle
+        due = began + (self._require_agent().num_timesteps - first) / self._speed
+        return max(due - now, _SHORTEST_WAIT_S) if due > now else 0.0
+
+    def _measure_speed(self) -> float:
+        if self._status is not RunStatus.RUNNING:
+            return 0.0
+        now, n_steps = self._clock(), self._require_agent().num_timesteps
+        self._pace.append((now, n_steps))
+        while len(self._pace) > 2 and now - self._pace[1][0] > _SPEED_WINDOW_S:
+            self._pace.popleft()
+        began, first = self._pace[0]
+        return (n_steps - first) / (now - began) if now > began else 0.0
+
+    # Small things.
+
+    def _draw(self) -> bytes | None:
+        agent, stepper = self._require_agent(), self._stepper
+        assert stepper is not None
+        if not self._draws or stepper.last is None or self._status is RunStatus.FAILED:
+            return self._frame
+        if self._framed_at != agent.num_timesteps:
+            self._framed_at = agent.num_timesteps
+            try:
+                self._frame = draw(agent.env)
+            except Exception as error:  # A picture is not worth a run.
+                self._draws, self._frame = False, None
+                self._tell(f"{agent.spec.env_id} could not be drawn: {_in_words(error)}", True)
+        return self._frame
+
+    def _require_agent(self) -> AO2:
+        assert self._agent is not None, f"A {self._status.value} run must have an agent."
+        return self._agent
+
+    def _go(self, status: RunStatus) -> None:
+        self.changes += 1
+        if status is not self._status:
+            self._status = status
+            self._restart_clocks()
+
+    def _tell(self, message: str, is_error: bool = False) -> None:
+        self._message, self._is_error = message, is_error
+        self.changes += 1
+
+    def _close_env(self, agent: AO2) -> None:
+        try:
+            agent.env.close()
+        except Exception as error:  # It is of no use any more, whatever it says.
+            self._tell(f"{agent.spec.env_id} could not be closed: {_in_words(error)}", True)
+
+
+_SETTLING = "All steps taken; letting what was learned settle."
+
+
+def _make_agent(start: Start) -> AO2:
+    if start.total_steps < 1:
+        raise ValueError(f"Expected at least one step to take, but got {start.total_steps}.")
+    if start.resume_from is None:
+        env = make_env(start.env_id, render=True)
+        return AO2(env, start.preset, start.seed, **start.overrides)
+    saved = read(start.resume_from)
+    # "module:EnvId" of the command also tells where the environment of the file comes from.
+    known = saved.spec.env_id
+    env_id = start.env_id if start.env_id.rpartition(":")[2] == known else known
+    return AO2.from_saved(saved, make_env(env_id, render=True))
+
+
+def _in_words(error: Exception) -> str:
+    text = " ".join(str(error).split())
+    if isinstance(error, OSError) and error.strerror:
+        text = error.strerror
+    elif not isinstance(error, ValueError) or not text:
+        text = f"{type(error).__name__}: {text}" if text else type(error).__name__
+    return text if text.endswith((".", "!", "?")) else f"{text}."
