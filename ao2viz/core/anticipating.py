@@ -20,7 +20,7 @@ from ao2viz.core.experience import Experience, merge, record
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent, GrowthKind
 from ao2viz.core.imagination import Imagination, Rules
-from ao2viz.core.inference import decide, make_workspace, weigh_actions
+from ao2viz.core.inference import choose_action, decide, make_workspace, weigh_actions
 from ao2viz.core.search import ANY_ACTION, find_nearest
 
 
@@ -149,7 +149,7 @@ class AnticipatingLearner:
             self._work,
             values,
         )
-        return int(np.argmax(values))
+        return choose_action(values, observation)[0]
 
     def sleep(self) -> None:
         """Imagines everything anew and lets the values settle; see `Learner`."""

@@ -1,6 +1,7 @@
 """Who speaks and how loudly: the shares of the most similar options, and the decision they make."""
 
 from typing import NamedTuple
+from zlib import crc32
 
 import numpy as np
 from numba import njit
@@ -51,8 +52,8 @@ def kernel_width(nearest: float, radius: float) -> float:
 @njit(cache=True)
 def closeness(d: float, width: float) -> float:
     """Weight of an option at distance d: 1 at the query, falling to 0 at the kernel width."""
-    gap = 1.0 - d / width
-    return gap * gap if gap > 0.0 else 0.0
+    gap = 1.0 - (d / width) ** 3
+    return gap**3 if gap > 0.0 else 0.0
 
 
 @njit(cache=True)
@@ -187,6 +188,20 @@ def trace_paths(
             option = columns.parents[option]
 
 
+def choose_action(
+    action_values: NDArray[np.float64], observation: NDArray[np.float64]
+) -> tuple[int, bool]:
+    """The action expected to earn the most, and whether several were.
+
+    The paper settles ties at random. So that the same observation always gets the same action,
+    the toss is taken from the observation's own bits.
+    """
+    tied = np.flatnonzero(action_values == action_values.max())
+    if len(tied) == 1:
+        return int(tied[0]), False
+    return int(tied[crc32(observation.tobytes()) % len(tied)]), True
+
+
 def decide(
     forest: Forest,
     observation: NDArray[np.float64],
@@ -197,8 +212,7 @@ def decide(
 ) -> Decision:
     """The greedy decision for an observation [D], with everything that led to it.
 
-    Ties go to the first action and are marked. With an empty forest nobody speaks, every action
-    is expected to earn 0, and it is a tie.
+    With an empty forest nobody speaks, every action is expected to earn 0, and it is a tie.
     """
     query = forest.attention * observation
     action_values = np.zeros(forest.n_actions)
@@ -212,7 +226,7 @@ def decide(
     paths = np.full((speaking, length), NO_OPTION, np.int64)
     distances = np.full((speaking, length), np.nan)
     trace_paths(forest.columns, query, voters, paths, distances)
-    best = int(np.argmax(action_values))
+    best, is_tie = choose_action(action_values, observation)
     return Decision(
         observation=observation,
         action=best,
@@ -226,5 +240,5 @@ def decide(
         runner_up_option=int(work.ids[1]) if count > 1 else NO_OPTION,
         runner_up_distance=float(work.distances[1]) if count > 1 else np.nan,
         explored=False,
-        is_tie=int(np.count_nonzero(action_values == action_values[best])) > 1,
+        is_tie=is_tie,
     )

@@ -14,7 +14,7 @@ from ao2viz.core.config import Credit, PaperConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
-from ao2viz.core.inference import decide, make_workspace, weigh_actions
+from ao2viz.core.inference import choose_action, decide, make_workspace, weigh_actions
 
 
 class PaperLearner:
@@ -41,18 +41,22 @@ class PaperLearner:
         self._forget_episode()
 
     def start(self, observation: NDArray[np.float64]) -> tuple[GrowthEvent, ...]:
-        """Begins an episode; see `Learner`."""
+        """Begins an episode; the very first observation becomes the root. See `Learner`."""
         self._forget_episode()
-        return self._accommodate(observation)
+        self._observation = observation
+        if self._forest.n_rows == 0:
+            return (self._forest.add(observation, NO_OPTION, self.n_steps),)
+        return ()
 
     def decide(self, explore: bool = True) -> Decision:
-        """Decides for the latest observation, ties at random; see `Learner`."""
-        decision = replace(self.decide_at(self._observation), created=self._created)
-        if explore and self.config.epsilon > 0 and self._rng.random() < self.config.epsilon:
+        """Decides for the latest observation; see `Learner`."""
+        decision = self.decide_at(self._observation)
+        if not explore:
+            return decision
+        if self._deserves_option(decision):
+            decision = replace(decision, created=self._forest.n_rows)  # `observe` makes it.
+        if self.config.epsilon > 0 and self._rng.random() < self.config.epsilon:
             return replace(decision, action=int(self._rng.integers(self._n_actions)), explored=True)
-        if explore and decision.is_tie:
-            best = np.flatnonzero(decision.action_values == decision.action_values.max())
-            return replace(decision, action=int(self._rng.choice(best)))
         return decision
 
     def observe(
@@ -65,11 +69,13 @@ class PaperLearner:
     ) -> tuple[GrowthEvent, ...]:
         """Reforms the structure, then applies the reward; see `Learner`."""
         self.n_steps += 1
+        selected = int(decision.voters[0])
+        self._forest.columns.visits[selected, decision.action] += 1
         if self.config.failure_only:
             reward = -1.0 if terminated else 0.0
-        self._forest.columns.visits[self._here, decision.action] += 1
-        self._trace.append((self._here, decision.action, reward))
-        events = self._accommodate(observation)
+        self._trace.append((selected, decision.action, reward))
+        events = self._accommodate(decision, selected)
+        self._observation = observation
         self._assimilate(reward, ended=terminated or truncated, terminated=terminated)
         return events
 
@@ -97,7 +103,7 @@ class PaperLearner:
             self._work,
             values,
         )
-        return int(np.argmax(values))
+        return choose_action(values, observation)[0]
 
     def sleep(self) -> None:
         """The paper knows no sleep; nothing is left to settle."""
@@ -129,8 +135,6 @@ class PaperLearner:
         return max(1.0 - self.config.threshold, 1e-9)
 
     def _forget_episode(self) -> None:
-        self._here = NO_OPTION
-        self._created = NO_OPTION
         # (option, action, reward), the newest last.
         self._trace: deque[tuple[int, int, float]] = deque(maxlen=self.config.trace_length)
 
@@ -139,20 +143,18 @@ class PaperLearner:
             self._forest.capacity, self.config.voters, self._forest.n_features
         )
 
-    def _accommodate(self, observation: NDArray[np.float64]) -> tuple[GrowthEvent, ...]:
-        """Algorithm 2: a child for the most similar option, if that is not similar enough."""
-        self._observation = observation
-        ids, distances = self._forest.nearest(observation)
-        # Similarity > threshold, written as a distance.
-        if len(ids) and 1.0 - distances[0] > self.config.threshold:
-            self._here, self._created = int(ids[0]), NO_OPTION
+    def _deserves_option(self, decision: Decision) -> bool:
+        """Similarity ≤ threshold, written as a distance."""
+        return 1.0 - decision.distance <= self.config.threshold
+
+    def _accommodate(self, decision: Decision, selected: int) -> tuple[GrowthEvent, ...]:
+        """Algorithm 2: a child for the selected option, if that is not similar enough."""
+        if not self._deserves_option(decision):
             return ()
         capacity = self._forest.capacity
-        parent = int(ids[0]) if len(ids) else NO_OPTION
-        event = self._forest.add(observation, parent, self.n_steps)
+        event = self._forest.add(decision.observation, selected, self.n_steps)
         if self._forest.capacity != capacity:
             self._renew_workspace()
-        self._here = self._created = event.option
         return (event,)
 
     def _assimilate(self, reward: float, ended: bool, terminated: bool) -> None:
@@ -166,7 +168,8 @@ class PaperLearner:
             return
         after = 0.0
         if config.credit is Credit.BOOTSTRAP and not terminated:
-            after = float(self._forest.columns.weights[self._here].max())
+            nearest, _ = self._forest.nearest(self._observation)
+            after = float(self._forest.columns.weights[nearest[0]].max())
         if len(trace) == config.trace_length:
             self._move_weight(after)
         if ended:
