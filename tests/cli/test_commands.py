@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import signal
 import statistics
 import time
 from pathlib import Path
@@ -10,7 +9,7 @@ from pathlib import Path
 import pytest
 
 import ao2viz
-from tests.cli.processes import Cli, interrupt, start
+from tests.cli.processes import Cli
 
 
 def test_help_names_every_command_and_is_quick(cli: Cli) -> None:
@@ -66,22 +65,6 @@ def test_train_replaces_a_file_only_if_asked(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "agent.ao2").read_bytes() == before
     assert cli(*arguments, "--seed", "1", "--overwrite").returncode == 0
     assert (tmp_path / "agent.ao2").read_bytes() != before
-
-
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_an_interrupt_saves_what_was_learned_and_says_where(
-    tmp_path: Path, agent_file: Path, number: signal.Signals, code: int
-) -> None:
-    # `agent_file` has compiled, so four seconds are enough to be in the middle of learning.
-    process = start(tmp_path, "train", "CartPole-v1", "--steps", "100000000", "--out", "a.ao2")
-    output, errors = interrupt(process, 4, number)
-    assert process.returncode == code
-    assert "Traceback" not in errors
-    assert "saved to a.ao2" in errors
-    assert "Saved to a.ao2" in output
-    agent = ao2viz.AO2.load(tmp_path / "a.ao2")
-    assert 0 < agent.num_timesteps < 100_000_000
-    agent.learn(10)  # And it can go on.
 
 
 def test_an_environment_that_raises_costs_nothing_that_was_learned(

@@ -1,0 +1,85 @@
+"""Steps a second of learning, against the bare environment in the same run.
+
+    .venv/bin/python -m benchmarks.training [--steps 20000] [--repetitions 5] [ENV …]
+
+For each environment: the environment alone under random actions, then each preset learning in
+it, alternating, so that whatever else the machine does reaches all of them alike. Shown are
+medians over the repetitions, and by how much learning is slower than the bare environment.
+"""
+
+import argparse
+import gc
+import statistics
+import time
+
+import gymnasium as gym
+
+from ao2viz import AO2, Preset
+from ao2viz.envs.catalogue import CATALOGUE
+from benchmarks.machine import describe_run
+
+_COMPILED_BY = 600
+"""Steps after which every kernel has been compiled: beyond the warm-up and one sleep."""
+
+
+def bare_rate(env: gym.Env, steps: int, seed: int) -> float:
+    """Steps a second of the environment alone."""
+    env.action_space.seed(seed)
+    actions = [env.action_space.sample() for _ in range(steps)]
+    env.reset(seed=seed)
+    started = time.perf_counter()
+    for action in actions:
+        _, _, terminated, truncated, _ = env.step(action)
+        if terminated or truncated:
+            env.reset()
+    return steps / (time.perf_counter() - started)
+
+
+def learning_rate(env_id: str, preset: Preset, steps: int, seed: int) -> tuple[float, int]:
+    """Steps a second of learning, the sleep at the end included; and the options it grew."""
+    agent = AO2(env_id, preset=preset, seed=seed)
+    started = time.perf_counter()
+    agent.learn(steps)
+    return steps / (time.perf_counter() - started), len(agent.forest)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.split("\n", maxsplit=1)[0])
+    parser.add_argument("env_ids", metavar="ENV", nargs="*", help="otherwise the catalogue")
+    parser.add_argument("--steps", type=int, default=20_000)
+    parser.add_argument("--repetitions", type=int, default=5)
+    arguments = parser.parse_args()
+    print(describe_run("benchmarks.training"))
+    print(f"{arguments.steps:,} steps, seeds 0 to {arguments.repetitions - 1}, medians.\n")
+    columns = [f"{p.value}, steps/s | slower than bare | options" for p in Preset]
+    print(f"| environment | bare, steps/s | {' | '.join(columns)} |")
+    print("|---" + "|---:" * (1 + 3 * len(Preset)) + "|")
+    for env_id in arguments.env_ids or CATALOGUE:
+        print(_row(env_id, arguments.steps, arguments.repetitions), flush=True)
+
+
+def _row(env_id: str, steps: int, repetitions: int) -> str:
+    env = AO2(env_id).env
+    for preset in Preset:
+        AO2(env_id, preset=preset).learn(_COMPILED_BY)
+    bare: list[float] = []
+    rates: dict[Preset, list[float]] = {preset: [] for preset in Preset}
+    options: dict[Preset, list[int]] = {preset: [] for preset in Preset}
+    for seed in range(repetitions):
+        gc.collect()
+        bare.append(bare_rate(env, steps, seed))
+        for preset in Preset:
+            rate, grown = learning_rate(env_id, preset, steps, seed)
+            rates[preset].append(rate)
+            options[preset].append(grown)
+    alone = statistics.median(bare)
+    cells = [env_id, f"{alone:,.0f}"]
+    for preset in Preset:
+        rate = statistics.median(rates[preset])
+        grown = statistics.median(options[preset])
+        cells += [f"{rate:,.0f}", f"{alone / rate:.1f}×", f"{grown:,.0f}"]
+    return "| " + " | ".join(cells) + " |"
+
+
+if __name__ == "__main__":
+    main()

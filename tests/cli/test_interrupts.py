@@ -1,0 +1,74 @@
+"""Ctrl-C, and other ways in which a long command may not end as it was meant to."""
+
+import signal
+from pathlib import Path
+
+import pytest
+
+import ao2viz
+from ao2viz.cli.interrupts import DeferredInterrupts
+from tests.cli.processes import interrupt, start
+
+FOREVER = ("--steps", "100000000")
+
+
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_an_interrupt_saves_what_was_learned_and_says_where(
+    tmp_path: Path, agent_file: Path, number: signal.Signals, code: int
+) -> None:
+    # `agent_file` has compiled, so four seconds are enough to be in the middle of learning.
+    process = start(tmp_path, "train", "CartPole-v1", *FOREVER, "--out", "a.ao2")
+    output, errors = interrupt(process, 4, number)
+    assert process.returncode == code
+    assert "Traceback" not in errors
+    assert "saved to a.ao2" in errors
+    assert "Saved to a.ao2" in output
+    agent = ao2viz.AO2.load(tmp_path / "a.ao2")
+    assert 0 < agent.num_timesteps < 100_000_000
+    agent.learn(10)  # And it can go on.
+
+
+def test_what_cannot_be_saved_where_it_should_is_saved_elsewhere(
+    tmp_path: Path, agent_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    monkeypatch.setenv("TMPDIR", str(elsewhere))
+    process = start(tmp_path, "train", "CartPole-v1", *FOREVER, "--out", "folder/a.ao2")
+    while not (tmp_path / "folder").is_dir() and process.poll() is None:
+        pass
+    (tmp_path / "folder").rename(tmp_path / "moved")
+    (tmp_path / "folder").write_text("in the way")
+    output, errors = interrupt(process, 4)
+    (saved,) = elsewhere.glob("*/a.ao2")
+    assert "Could not save to folder/a.ao2" in errors
+    assert str(saved) in errors
+    assert str(saved) in output
+    assert ao2viz.AO2.load(saved).num_timesteps > 0
+
+
+def test_an_interrupted_evaluation_leaves_no_traceback(tmp_path: Path, agent_file: Path) -> None:
+    process = start(tmp_path, "evaluate", str(agent_file), "--episodes", "100000000")
+    output, errors = interrupt(process, 4)
+    assert process.returncode == 130
+    assert output == ""
+    assert "Traceback" not in errors
+
+
+def test_the_second_interrupt_does_not_wait() -> None:
+    told: list[str] = []
+    with DeferredInterrupts(lambda: told.append("once")) as interrupts:
+        assert interrupts.exit_code == 0
+        signal.raise_signal(signal.SIGINT)
+        assert interrupts.received is signal.SIGINT
+        assert interrupts.exit_code == 130
+        with pytest.raises(KeyboardInterrupt, match="^$"):
+            signal.raise_signal(signal.SIGINT)
+    assert told == ["once"]
+
+
+def test_afterwards_ctrl_c_works_as_before() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with DeferredInterrupts(lambda: None):
+        assert signal.getsignal(signal.SIGINT) is not before
+    assert signal.getsignal(signal.SIGINT) is before
