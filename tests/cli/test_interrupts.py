@@ -62,7 +62,7 @@ def test_the_second_interrupt_does_not_wait() -> None:
         signal.raise_signal(signal.SIGINT)
         assert interrupts.received is signal.SIGINT
         assert interrupts.exit_code == 130
-        with pytest.raises(KeyboardInterrupt, match="^$"):
+        with pytest.raises(KeyboardInterrupt, match=r"^$"):
             signal.raise_signal(signal.SIGINT)
     assert told == ["once"]
 
