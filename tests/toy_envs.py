@@ -71,7 +71,10 @@ class Boxed(gym.Env):
 
 
 def _register(name: str, entry: type[gym.Env], limit: int, **settings: object) -> None:
-    gym.register(f"{name}-v0", entry, max_episode_steps=limit, kwargs=settings)
+    # Gymnasium would warn of what is wrong with them on purpose.
+    gym.register(
+        f"{name}-v0", entry, max_episode_steps=limit, disable_env_checker=True, kwargs=settings
+    )
 
 
 _register("Corridor", Corridor, limit=8)
