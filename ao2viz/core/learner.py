@@ -15,8 +15,9 @@ from ao2viz.core.growth import GrowthEvent
 class Learner(Protocol):
     """Chooses actions and learns from what follows.
 
-    The life of one episode: `start(o0)`, then per step `decide(explore=True)`, the environment, `observe(...)`. Asking
-    `decide_at` changes nothing. All observations are float64 arrays of shape [D].
+    The life of one episode: `start(o0)`, then per step `decide(explore=True)`, the environment,
+    `observe(...)`. Asking `decide_at` changes nothing. All observations are float64 arrays of
+    shape [D].
     """
 
     config: Config

@@ -172,8 +172,9 @@ class PaperLearner:
             after = float(self._forest.columns.weights[nearest[0]].max())
         if len(trace) == config.trace_length:
             self._move_weight(after)
-        if ended:
-            # The last actions of an episode get what there was to earn.
+        if terminated or (ended and config.credit is Credit.BOOTSTRAP):
+            # The last actions get what there was to earn. A time limit only hides the rest of a
+            # return, which would look better than it is.
             while trace:
                 self._move_weight(after)
                 trace.popleft()
