@@ -20,6 +20,14 @@ app = typer.Typer(
 )
 
 AgentFile = Annotated[Path, typer.Argument(metavar="FILE", help="An agent's .ao2 file.")]
+Env = Annotated[
+    str | None,
+    typer.Option(
+        "--env",
+        metavar="ENV",
+        help="The environment, where the id in the file is not enough: module:EnvId.",
+    ),
+]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON value instead of text.")]
 
 
@@ -117,12 +125,13 @@ def evaluate(
     seed: Annotated[
         int, typer.Option(min=0, help="Which episodes: the same seed, the same ones.")
     ] = 0,
+    env: Env = None,
     as_json: Json = False,
 ) -> None:
     """Play greedy episodes: mean, standard deviation, standard error and every return."""
     from ao2viz.cli.evaluation import run  # noqa: PLC0415 -- heavy.
 
-    run(file, episodes=episodes, seed=seed, as_json=as_json)
+    run(file, episodes=episodes, seed=seed, env=env, as_json=as_json)
 
 
 @app.command()
@@ -138,6 +147,7 @@ def record(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace the --out file if there is one already.")
     ] = False,
+    env: Env = None,
     as_json: Json = False,
 ) -> None:
     """Record greedy episodes, with the decision behind every step, and add them to the file."""

@@ -11,13 +11,13 @@ from ao2viz.recording.episode import Episode
 from ao2viz.training.loop import evaluation_seed
 
 
-def run(file: Path, *, episodes: int, seed: int, as_json: bool) -> None:
+def run(file: Path, *, episodes: int, seed: int, env: str | None, as_json: bool) -> None:
     """Plays greedy episodes and says how they went.
 
     Raises:
         ValueError: If the file is no agent, or its environment cannot be made.
     """
-    agent = AO2.load(file)
+    agent = AO2.load(file, env)
     with stderr().status(f"Playing {episodes:,} greedy episodes of {agent.spec.env_id} …"):
         returns = agent.evaluate(episodes=episodes, seed=seed).tolist()
     summary = summarise_returns(returns)
@@ -45,7 +45,14 @@ def run(file: Path, *, episodes: int, seed: int, as_json: bool) -> None:
 
 
 def run_record(
-    file: Path, *, episodes: int, seed: int, out: Path | None, overwrite: bool, as_json: bool
+    file: Path,
+    *,
+    episodes: int,
+    seed: int,
+    out: Path | None,
+    overwrite: bool,
+    env: str | None,
+    as_json: bool,
 ) -> None:
     """Records greedy episodes and adds them to the file, or to a copy of it.
 
@@ -55,7 +62,7 @@ def run_record(
     path = file if out is None else out
     if out is not None:
         check_output(path, overwrite=overwrite)
-    agent = AO2.load(file)
+    agent = AO2.load(file, env)
     with stderr().status(f"Recording {episodes:,} greedy episodes of {agent.spec.env_id} …"):
         recorded = [agent.record_episode(evaluation_seed(seed, i)) for i in range(episodes)]
         agent.save(path)

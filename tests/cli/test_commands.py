@@ -88,6 +88,12 @@ def test_an_environment_that_raises_costs_nothing_that_was_learned(
     assert "Traceback" not in done.stderr
     assert json.loads(done.stdout)["steps"] == 400
     assert json.loads(cli("info", "a.ao2", "--json").stdout)["steps"] == 400
+    # Such an environment is known only to those who import its module.
+    unknown = cli("evaluate", "a.ao2", "--episodes", "1")
+    assert unknown.returncode == 2
+    assert "Exploding-v0" in unknown.stderr
+    known = cli("evaluate", "a.ao2", "--episodes", "1", "--env", "exploding:Exploding-v0")
+    assert known.returncode == 0, known.stderr
 
 
 def test_evaluate_gives_every_return_and_their_statistics(cli: Cli, agent_file: Path) -> None:
