@@ -153,7 +153,9 @@ def record(
     """Record greedy episodes, with the decision behind every step, and add them to the file."""
     from ao2viz.cli.evaluation import run_record  # noqa: PLC0415 -- heavy.
 
-    run_record(file, episodes=episodes, seed=seed, out=out, overwrite=overwrite, as_json=as_json)
+    run_record(
+        file, episodes=episodes, seed=seed, out=out, overwrite=overwrite, env=env, as_json=as_json
+    )
 
 
 @app.command()
