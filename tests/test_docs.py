@@ -1,6 +1,9 @@
 """The documentation is complete and its links lead somewhere."""
 
+import os
 import re
+import subprocess
+import sys
 from dataclasses import fields
 from pathlib import Path
 
@@ -110,6 +113,23 @@ def test_every_make_target_that_the_docs_name_exists() -> None:
             r"(?:`|^    |^)make ([a-z]+)", page.read_text("utf-8"), re.MULTILINE
         ):
             assert target in targets, f"{page.name} names `make {target}`."
+
+
+def test_the_code_in_the_readme_runs(tmp_path: Path) -> None:
+    found = re.search(r"^```python\n(.*?)^```", read("README.md"), re.MULTILINE | re.DOTALL)
+    assert found is not None
+    assert len(found[1].splitlines()) == 5
+    done = subprocess.run(
+        [sys.executable, "-c", found[1]],
+        check=False,
+        cwd=tmp_path,
+        env=os.environ | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=240,
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "cartpole.ao2").is_file()
 
 
 def test_the_readme_fits_on_one_screen() -> None:

@@ -18,7 +18,7 @@ def run(file: Path, *, episodes: int, seed: int, env: str | None, as_json: bool)
         ValueError: If the file is no agent, or its environment cannot be made.
     """
     agent = AO2.load(file, env)
-    with stderr().status(f"Playing {episodes:,} greedy episodes of {agent.spec.env_id} …"):
+    with stderr().status(f"Playing {_count_episodes(episodes)} of {agent.spec.env_id} …"):
         returns = agent.evaluate(episodes=episodes, seed=seed).tolist()
     summary = summarise_returns(returns)
     if as_json:
@@ -35,7 +35,7 @@ def run(file: Path, *, episodes: int, seed: int, env: str | None, as_json: bool)
         )
         return
     decided = f"deciding by {agent.config.decide_by.value}, evaluation seed {seed}"
-    say(f"{agent.spec.env_id}: {episodes:,} greedy episodes, {decided}.")
+    say(f"{agent.spec.env_id}: {_count_episodes(episodes)}, {decided}.")
     say(f"Mean return      {summary['mean']:.2f}")
     if episodes > 1:
         say(f"Std deviation    {summary['std']:.2f}")
@@ -63,7 +63,7 @@ def run_record(
     if out is not None:
         check_output(path, overwrite=overwrite)
     agent = AO2.load(file, env)
-    with stderr().status(f"Recording {episodes:,} greedy episodes of {agent.spec.env_id} …"):
+    with stderr().status(f"Recording {_count_episodes(episodes)} of {agent.spec.env_id} …"):
         recorded = [agent.record_episode(evaluation_seed(seed, i)) for i in range(episodes)]
         agent.save(path)
     if as_json:
@@ -78,7 +78,8 @@ def run_record(
         return
     for episode in recorded:
         say(f"Seed {episode.seed}: {say_outcome(episode)}.")
-    say(f"Saved to {path}, which now holds {len(agent.episodes)} recorded episodes.")
+    held = len(agent.episodes)
+    say(f"Saved to {path}, which now holds {held} recorded episode{'' if held == 1 else 's'}.")
 
 
 def summarise_returns(returns: list[float]) -> dict[str, float | None]:
@@ -112,3 +113,7 @@ def say_outcome(episode: Episode) -> str:
     elif episode.truncated:
         ending = "cut off by the time limit"
     return f"return {episode.total_reward:.6g} in {len(episode):,} steps, {ending}"
+
+
+def _count_episodes(count: int) -> str:
+    return f"{count:,} greedy episode{'' if count == 1 else 's'}"
