@@ -254,7 +254,11 @@ class AO2:
             AgentFileError: If the file is not an agent, broken, or from a newer ao2viz.
             ValueError: If `env` does not fit the agent.
         """
-        return cls.from_saved(read(path), env)
+        saved = read(path)
+        try:
+            return cls.from_saved(saved, env)
+        except AgentFileError as error:
+            raise AgentFileError(f"Could not open {str(path)!r}. {error}") from error
 
     @classmethod
     def from_saved(cls, saved: SavedAgent, env: str | gym.Env | None = None) -> "AO2":
@@ -268,6 +272,10 @@ class AO2:
             agent._learner.set_state(dict(saved.state))
         except ValueError as error:
             raise AgentFileError(f"What this agent learned is not sound: {error}") from error
+        if agent.num_timesteps != saved.n_steps:
+            raise AgentFileError(
+                f"Expected an agent of {saved.n_steps} steps, but it has {agent.num_timesteps}."
+            )
         set_generator(agent._rng, saved.generator)
         agent.history = History.from_array(saved.history)
         agent.growth = GrowthLog.from_arrays(dict(saved.growth), saved.growth_dropped)

@@ -211,6 +211,11 @@ class AnticipatingLearner:
         spread = take_array(state, "spread", (3, d), np.float64)
         grown_at = take_array(state, "grown_at", (d,), np.float64)
         waiting = take_array(state, "waiting", (None, 2 * d + 4), np.float64)
+        tried = waiting[:, 2 * d]
+        if counters[1] < 1 or not all(np.isfinite(x).all() for x in (spread, grown_at, waiting)):
+            raise ValueError("Expected a next check after step 0, and finite numbers.")
+        if len(waiting) >= self.config.warmup_steps or ((tried < 0) | (tried >= a)).any():
+            raise ValueError(f"Expected fewer waiting steps than the warm-up's, actions below {a}.")
         self._forget_episode()
         self._set_forest(forest)
         self._experience, self._imagination = experience, imagination

@@ -105,8 +105,7 @@ def from_json(content: bytes) -> Manifest:
     """
     top = _Fields(upgrade(_parse(content)), "manifest")
     preset = Preset(top.one_of("preset", [kind.value for kind in Preset]))
-    settings = top.mapping("settings")
-    _check_settings(preset, settings)
+    settings = _settings(preset, top.mapping("settings"))
     spec = _task_from_json(_Fields(top.mapping("task"), "task"))
     return Manifest(
         created_at=top.text("created_at"),
@@ -247,13 +246,21 @@ def _parse(content: bytes) -> Json:
     return manifest
 
 
-def _check_settings(preset: Preset, settings: Json) -> None:
+def _settings(preset: Preset, settings: Json) -> Json:
+    fields = _Fields(settings, "settings")
+    for name, value in settings.items():
+        fields.check_text("the name of a setting", name)
+        if isinstance(value, str):
+            fields.check_text(name, value)
+        elif type(value) is int:
+            fields.whole(name, least=-_MAX_INT)
     try:
         config = make_config(preset, settings)
-    except (ValueError, OverflowError) as error:
+    except ValueError as error:
         raise AgentFileError(f"A setting does not fit: {error}") from error
     if lacking := config_to_dict(config).keys() - settings.keys():
         raise AgentFileError(f"Expected all settings, but {sorted(lacking)[0]!r} is missing.")
+    return settings
 
 
 def _task_to_json(spec: TaskSpec) -> Json:

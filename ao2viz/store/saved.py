@@ -92,6 +92,8 @@ def _view_of(state: Mapping[str, NDArray], d: int, a: int) -> ForestView:
     links = take_array(state, "links", (None, 2), np.int32).astype(np.int64)
     if ((parents < NO_OPTION) | (parents >= n)).any() or ((links < 0) | (links >= n)).any():
         raise ValueError(f"expected parents and links among the {n} options.")
+    if not is_alive[links].all() or len(np.unique(links, axis=0)) != len(links):
+        raise ValueError("expected every link once, between living options.")
     view = ForestView(
         values=take_array(state, "values", (n, d), np.float64),
         parents=parents,
