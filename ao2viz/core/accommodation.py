@@ -4,8 +4,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ao2viz.core.columns import Columns, distance
 from ao2viz.core.decision import NO_OPTION
-from ao2viz.core.search import Columns, distance
 
 MAX_LINKS = 32
 """The most extra parents a new option is linked to."""

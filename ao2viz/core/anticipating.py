@@ -5,7 +5,6 @@ it learns is model-based value iteration on the options themselves (Sutton's Dyn
 """
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,36 +15,14 @@ from ao2viz.core.assimilation import assimilate, imagine_all, keep_stories, sett
 from ao2viz.core.attention import RunningSpread, attention_from
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
-from ao2viz.core.experience import Experience, merge, record
+from ao2viz.core.experience import allocate_experience, record
 from ao2viz.core.forest import Forest, ForestView
-from ao2viz.core.growth import GrowthEvent, GrowthKind
-from ao2viz.core.imagination import Imagination, Rules
+from ao2viz.core.growth import GrowthEvent
+from ao2viz.core.imagination import Rules, allocate_imagination
 from ao2viz.core.inference import choose_action, decide, make_workspace, weigh_actions
+from ao2viz.core.regrowth import regrow
 from ao2viz.core.search import ANY_ACTION, find_nearest
-
-
-class _Step(NamedTuple):
-    """One step of the environment, as it is learned from."""
-
-    before: NDArray[np.float64]  # [D]
-    action: int
-    reward: float
-    after: NDArray[np.float64]  # [D]
-    terminated: bool
-    ended: bool  # The last step of its episode, for whatever reason.
-
-    def to_row(self) -> NDArray[np.float64]:
-        """[2 D + 4] numbers."""
-        return np.array(
-            [*self.before, *self.after, self.action, self.reward, self.terminated, self.ended]
-        )
-
-    @classmethod
-    def from_row(cls, row: NDArray[np.float64]) -> "_Step":
-        """The step that `to_row` wrote."""
-        d = (len(row) - 4) // 2
-        action, reward, terminated, ended = row[2 * d :].tolist()
-        return cls(row[:d], int(action), reward, row[d : 2 * d], bool(terminated), bool(ended))
+from ao2viz.core.transition import Transition
 
 
 class AnticipatingLearner:
@@ -71,7 +48,7 @@ class AnticipatingLearner:
         self._spread = RunningSpread(self._n_features)
         self._grown_at = np.zeros(self._n_features)  # Deviations when attention was last set.
         self._next_check = config.warmup_steps
-        self._waiting: list[_Step] = []  # Warm-up steps not learned from yet.
+        self._waiting: list[Transition] = []  # Warm-up steps not learned from yet.
         self._cursors = np.zeros(2, np.int64)
         self._set_forest(Forest(self._n_features, n_actions, np.zeros(self._n_features)))
         self._observation = np.zeros(self._n_features)
@@ -112,7 +89,9 @@ class AnticipatingLearner:
         """Learns from one step; see `Learner`."""
         events: list[GrowthEvent] = []
         ended = terminated or truncated
-        step = _Step(self._observation, decision.action, reward, observation, terminated, ended)
+        step = Transition(
+            self._observation, decision.action, reward, observation, terminated, ended
+        )
         self.n_steps += 1
         self._spread.add(observation)
         self._observation = observation
@@ -194,8 +173,8 @@ class AnticipatingLearner:
         forest = Forest(self._n_features, self._n_actions, np.zeros(self._n_features))
         forest.set_state(state)
         n, a, d = forest.n_rows, self._n_actions, self._n_features
-        experience = _allocate_experience(forest.capacity, a, d)
-        imagination = _allocate_imagination(forest.capacity, a, self.config.voters)
+        experience = allocate_experience(forest.capacity, a, d)
+        imagination = allocate_imagination(forest.capacity, a, self.config.voters)
         for prefix, columns in (("experience", experience), ("imagination", imagination)):
             for name, column in columns._asdict().items():
                 if name != "value":
@@ -223,7 +202,7 @@ class AnticipatingLearner:
         self._cursors = counters[2:].copy()
         self._spread.moments[:] = spread
         self._grown_at = grown_at.copy()
-        self._waiting = [_Step.from_row(row) for row in waiting]
+        self._waiting = [Transition.from_row(row) for row in waiting]
 
     def _epsilon(self) -> float:
         config = self.config
@@ -242,8 +221,8 @@ class AnticipatingLearner:
     def _set_forest(self, forest: Forest) -> None:
         self._forest = forest
         capacity, a, d = forest.capacity, self._n_actions, self._n_features
-        self._experience = _allocate_experience(capacity, a, d)
-        self._imagination = _allocate_imagination(capacity, a, self.config.voters)
+        self._experience = allocate_experience(capacity, a, d)
+        self._imagination = allocate_imagination(capacity, a, self.config.voters)
         self._work = make_workspace(capacity, self.config.voters, d)
 
     def _reserve(self) -> None:
@@ -253,8 +232,8 @@ class AnticipatingLearner:
         capacity = self._forest.capacity
         if capacity == before:
             return
-        experience = _allocate_experience(capacity, self._n_actions, self._n_features)
-        imagination = _allocate_imagination(capacity, self._n_actions, self.config.voters)
+        experience = allocate_experience(capacity, self._n_actions, self._n_features)
+        imagination = allocate_imagination(capacity, self._n_actions, self.config.voters)
         for old, new in zip(
             (*self._experience, *self._imagination), (*experience, *imagination), strict=True
         ):
@@ -308,7 +287,7 @@ class AnticipatingLearner:
             events.append(forest.link(int(extra), created.option, self.n_steps))
         return created.option
 
-    def _learn(self, step: _Step, events: list[GrowthEvent]) -> None:
+    def _learn(self, step: Transition, events: list[GrowthEvent]) -> None:
         """Records a step, finds where it led, and thinks; `_here` moves on."""
         forest, option = self._forest, self._here
         record(
@@ -380,53 +359,14 @@ class AnticipatingLearner:
         if (deviation <= (1.0 + self.config.attention_growth) * self._grown_at).all():
             return
         self._grown_at = np.maximum(deviation, self._grown_at)
-        self._regrow(attention_from(self._grown_at, self.config.attention_width), events)
-
-    def _regrow(self, attention: NDArray[np.float64], events: list[GrowthEvent]) -> None:
-        """Situates every option anew under a changed attention, the oldest first.
-
-        Options that now stand for the same situation become one; their experience is merged.
-        """
-        forest, n = self._forest, self._forest.n_rows
-        rescale = np.divide(
-            attention, forest.attention, out=np.zeros_like(attention), where=forest.attention > 0
+        events += regrow(
+            self._forest,
+            self._experience,
+            self._imagination,
+            attention_from(self._grown_at, self.config.attention_width),
+            self._rules,
+            self.n_steps,
         )
-        unseen = forest.attention == 0  # Features that had not varied; nothing is known of them.
-        self._experience.displacement[:n] *= rescale.astype(np.float32)
-        self._experience.origin[:n] *= rescale.astype(np.float32)
-        events.append(forest.set_attention(attention, self.n_steps))
-        self._experience.origin[:n, :, unseen] = forest.columns.scaled[:n, None, unseen]
-        old_parents, alive = forest.begin_regrowth()
-        heirs = np.arange(n)
-        links = np.empty(MAX_LINKS, np.int64)
-        for option in alive:
-            query = forest.columns.scaled[option]
-            found = find_nearest(
-                forest.columns,
-                forest.heads[0],
-                query,
-                ANY_ACTION,
-                self._rules.radius,
-                self._work.scratch,
-                self._work.ids[:1],
-                self._work.distances[:1],
-            )
-            if found:
-                heir = int(self._work.ids[0])
-                merge(forest.columns, self._experience, option, heir, self.config.experience_cap)
-                heirs[option] = heir
-                events.append(forest.merge_away(int(option), heir, self.n_steps))
-                continue
-            parent, covering = find_parent(
-                forest.columns, forest.heads[0], query, self._rules.levels, links
-            )
-            forest.replant(int(option), int(parent))
-            if parent != old_parents[option]:
-                events.append(GrowthEvent(self.n_steps, GrowthKind.MOVED, int(option), int(parent)))
-            for extra in np.sort(links[:covering]):
-                events.append(forest.link(int(extra), int(option), self.n_steps))
-        ends = self._imagination.story_end[:n]
-        ends[ends >= 0] = heirs[ends[ends >= 0]]
         self.sleep()
 
 
@@ -441,27 +381,4 @@ def _rules_of(config: AnticipatingConfig) -> Rules:
         imagine_limit=config.imagine_limit,
         refreshes=config.refreshes,
         backups=config.backups,
-    )
-
-
-def _allocate_experience(capacity: int, n_actions: int, n_features: int) -> Experience:
-    return Experience(
-        reward=np.zeros((capacity, n_actions), np.float32),
-        displacement=np.zeros((capacity, n_actions, n_features), np.float32),
-        origin=np.zeros((capacity, n_actions, n_features), np.float32),
-        ending=np.zeros((capacity, n_actions), np.float32),
-    )
-
-
-def _allocate_imagination(capacity: int, n_actions: int, voters: int) -> Imagination:
-    return Imagination(
-        steps=np.zeros((capacity, n_actions), np.int32),
-        reward=np.zeros((capacity, n_actions)),
-        discount=np.zeros((capacity, n_actions)),
-        end_ids=np.full((capacity, n_actions, voters), NO_OPTION, np.int32),
-        end_shares=np.zeros((capacity, n_actions, voters), np.float32),
-        story_reward=np.full((capacity, n_actions), np.nan),
-        story_discount=np.zeros((capacity, n_actions)),
-        story_end=np.full((capacity, n_actions), NO_OPTION, np.int64),
-        value=np.zeros(capacity),
     )

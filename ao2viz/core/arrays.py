@@ -1,5 +1,7 @@
 """Saved state as plain arrays by name, checked when it comes back."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
@@ -8,7 +10,7 @@ Arrays = dict[str, NDArray]
 
 
 def take_array(
-    state: Arrays, name: str, shape: tuple[int | None, ...], dtype: DTypeLike
+    state: Mapping[str, NDArray], name: str, shape: tuple[int | None, ...], dtype: DTypeLike
 ) -> NDArray:
     """An array of a saved state, checked; None in the shape stands for any length.
 

@@ -4,11 +4,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ao2viz.core.columns import Columns
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience
 from ao2viz.core.imagination import Imagination, Rules, backup, imagine, story_value
 from ao2viz.core.inference import Workspace
-from ao2viz.core.search import Columns
 
 # A sweep that moves no value by more than this fraction of the largest ends the sleep.
 _SETTLED = 1e-4

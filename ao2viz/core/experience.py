@@ -6,8 +6,9 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ao2viz.core.columns import Columns
 from ao2viz.core.inference import Workspace, closeness, kernel_width, solve_local_linear
-from ao2viz.core.search import Columns, find_nearest
+from ao2viz.core.search import find_nearest
 
 # A prediction needs an option that tried the action within this many radii.
 _KNOWN_WITHIN = 4.0
@@ -20,6 +21,16 @@ class Experience(NamedTuple):
     displacement: NDArray[np.float32]  # [C, A, D] next observation minus observation.
     origin: NDArray[np.float32]  # [C, A, D] where the action was tried from.
     ending: NDArray[np.float32]  # [C, A] chance that the task ended (time limits do not count).
+
+
+def allocate_experience(capacity: int, n_actions: int, n_features: int) -> Experience:
+    """Experience of nothing yet, for a forest of this capacity."""
+    return Experience(
+        reward=np.zeros((capacity, n_actions), np.float32),
+        displacement=np.zeros((capacity, n_actions, n_features), np.float32),
+        origin=np.zeros((capacity, n_actions, n_features), np.float32),
+        ending=np.zeros((capacity, n_actions), np.float32),
+    )
 
 
 @njit(cache=True)

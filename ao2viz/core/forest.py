@@ -1,16 +1,16 @@
 """The forest of options: a growable store with one owner, and the frozen view everyone reads."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ao2viz.core.arrays import take_array
+from ao2viz.core.columns import add_row, allocate, insert, measure_reach, walk_siblings
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.growth import GrowthEvent, GrowthKind
-from ao2viz.core.search import ANY_ACTION, Columns, Scratch, distance, find_nearest, make_scratch
+from ao2viz.core.search import ANY_ACTION, Scratch, find_nearest, make_scratch
 
 _FIRST_CAPACITY = 256
 
@@ -69,62 +69,6 @@ class ForestView:
         return np.where(self.is_alive, gaps.sum(axis=1), np.inf)
 
 
-@njit(cache=True)
-def _insert(columns: Columns, heads: NDArray[np.int64], row: int, parent: int) -> None:
-    columns.parents[row] = parent
-    if parent < 0:
-        columns.depths[row] = 0
-        columns.next_sibling[row] = heads[0]
-        heads[0] = row
-        return
-    columns.depths[row] = columns.depths[parent] + 1
-    columns.next_sibling[row] = columns.first_child[parent]
-    columns.first_child[parent] = row
-    _extend_reach(columns, row)
-
-
-@njit(cache=True)
-def _extend_reach(columns: Columns, row: int) -> None:
-    """Lets every ancestor know how far away this option is."""
-    ancestor = columns.parents[row]
-    while ancestor >= 0:
-        d = distance(columns.scaled, ancestor, columns.scaled[row])
-        columns.reach[ancestor] = max(columns.reach[ancestor], d)
-        ancestor = columns.parents[ancestor]
-
-
-@njit(cache=True)
-def add_row(
-    columns: Columns,
-    heads: NDArray[np.int64],
-    value: NDArray[np.float64],
-    scaled: NDArray[np.float64],
-    parent: int,
-    step: int,
-) -> int:
-    """Writes a new option into the next free row and returns its id; capacity must suffice."""
-    row = heads[1]
-    heads[1] += 1
-    columns.values[row] = value
-    columns.scaled[row] = scaled
-    columns.first_child[row] = NO_OPTION
-    columns.reach[row] = 0.0
-    columns.is_alive[row] = True
-    columns.born[row] = step
-    columns.weights[row] = 0.0
-    columns.visits[row] = 0
-    _insert(columns, heads, row, parent)
-    return row
-
-
-@njit(cache=True)
-def _measure_reach(columns: Columns, count: int) -> None:
-    columns.reach[:count] = 0.0
-    for row in range(count):
-        if columns.is_alive[row]:
-            _extend_reach(columns, row)
-
-
 class Forest:
     """The options of one agent. Mutable: exactly one owner; everyone else reads a `view()`.
 
@@ -138,7 +82,7 @@ class Forest:
         self.n_actions = n_actions
         self.attention = np.array(attention, np.float64)
         self.heads = np.array([NO_OPTION, 0], np.int64)  # First root, number of rows in use.
-        self.columns = _allocate(_FIRST_CAPACITY, n_features, n_actions)
+        self.columns = allocate(_FIRST_CAPACITY, n_features, n_actions)
         self.scratch: Scratch = make_scratch(_FIRST_CAPACITY)
         self.link_rows = np.empty((16, 2), np.int64)  # (parent, child), the first n_links in use.
         self.n_links = 0
@@ -161,7 +105,7 @@ class Forest:
             capacity *= 2
         if capacity == self.capacity:
             return
-        grown = _allocate(capacity, self.n_features, self.n_actions)
+        grown = allocate(capacity, self.n_features, self.n_actions)
         for old, new in zip(self.columns, grown, strict=True):
             new[: self.n_rows] = old[: self.n_rows]
         self.columns = grown
@@ -222,10 +166,10 @@ class Forest:
         columns.is_alive[option] = False
         columns.parents[option] = NO_OPTION
         events = [GrowthEvent(step, GrowthKind.REMOVED, option, heir)]
-        children = list(_walk_siblings(columns, int(columns.first_child[option])))
+        children = list(walk_siblings(columns, int(columns.first_child[option])))
         columns.first_child[option] = NO_OPTION
         for child in reversed(children):
-            _insert(columns, self.heads, child, parent)
+            insert(columns, self.heads, child, parent)
             events.append(GrowthEvent(step, GrowthKind.MOVED, child, parent))
         parents, linked = self.links.T
         kept = (parents != option) & (linked != option) & (columns.parents[linked] != parents)
@@ -253,7 +197,7 @@ class Forest:
         self.attention = attention
         n = self.n_rows
         self.columns.scaled[:n] = self.columns.values[:n] * attention
-        _measure_reach(self.columns, n)
+        measure_reach(self.columns, n)
         self.revision += 1
         return GrowthEvent(step, GrowthKind.ATTENTION, NO_OPTION, NO_OPTION)
 
@@ -276,7 +220,7 @@ class Forest:
 
     def replant(self, option: int, parent: int) -> None:
         """Puts an uprooted option back, below `parent` (NO_OPTION: as a root)."""
-        _insert(self.columns, self.heads, option, parent)
+        insert(self.columns, self.heads, option, parent)
 
     def merge_away(self, option: int, heir: int, step: int) -> GrowthEvent:
         """Cleanses an uprooted option whose experience went to `heir`."""
@@ -331,7 +275,7 @@ class Forest:
         columns.weights[:n], columns.visits[:n] = weights, visits
         fresh.heads[1] = n
         for option in order:
-            _insert(columns, fresh.heads, int(option), int(parents[option]))
+            insert(columns, fresh.heads, int(option), int(parents[option]))
         for parent, child in links.tolist():
             if not (is_alive[parent] and is_alive[child]) or parents[child] == parent:
                 raise ValueError(f"Expected extra links between living options, not {parent}.")
@@ -370,13 +314,13 @@ class Forest:
         """
         n, columns = self.n_rows, self.columns
         alive = np.flatnonzero(columns.is_alive[:n])
-        seen: list[int] = list(_walk_siblings(columns, int(self.heads[0])))
+        seen: list[int] = list(walk_siblings(columns, int(self.heads[0])))
         assert all(columns.parents[root] == NO_OPTION for root in seen), "A root has a parent."
         position = 0
         while position < len(seen):
             option = seen[position]
             position += 1
-            children = list(_walk_siblings(columns, int(columns.first_child[option])))
+            children = list(walk_siblings(columns, int(columns.first_child[option])))
             for child in children:
                 assert columns.parents[child] == option, f"Child {child} disowns {option}."
                 assert columns.depths[child] == columns.depths[option] + 1, f"Depth of {child}."
@@ -402,7 +346,7 @@ class Forest:
         columns = self.columns
         parent = int(columns.parents[option])
         first = int(self.heads[0]) if parent == NO_OPTION else int(columns.first_child[parent])
-        siblings = list(_walk_siblings(columns, first))
+        siblings = list(walk_siblings(columns, first))
         place = siblings.index(option)
         after = columns.next_sibling[option]
         if place > 0:
@@ -415,13 +359,13 @@ class Forest:
     def _measure(self) -> None:
         """Depths and reach of every option, from the tree."""
         columns = self.columns
-        stack = list(_walk_siblings(columns, int(self.heads[0])))
+        stack = list(walk_siblings(columns, int(self.heads[0])))
         while stack:
             option = stack.pop()
             parent = columns.parents[option]
             columns.depths[option] = 0 if parent == NO_OPTION else columns.depths[parent] + 1
-            stack += _walk_siblings(columns, int(columns.first_child[option]))
-        _measure_reach(columns, self.n_rows)
+            stack += walk_siblings(columns, int(columns.first_child[option]))
+        measure_reach(columns, self.n_rows)
 
 
 def _parents_first(parents: NDArray[np.int64], is_alive: NDArray[np.bool_]) -> NDArray[np.int64]:
@@ -445,30 +389,7 @@ def _parents_first(parents: NDArray[np.int64], is_alive: NDArray[np.bool_]) -> N
     raise ValueError("Expected trees, but the options' parents form a cycle.")
 
 
-def _walk_siblings(columns: Columns, option: int) -> Iterator[int]:
-    while option != NO_OPTION:
-        following = int(columns.next_sibling[option])
-        yield option
-        option = following
-
-
 def _frozen(array: NDArray) -> NDArray:
     copy = array.copy()
     copy.flags.writeable = False
     return copy
-
-
-def _allocate(capacity: int, n_features: int, n_actions: int) -> Columns:
-    return Columns(
-        values=np.zeros((capacity, n_features)),
-        scaled=np.zeros((capacity, n_features)),
-        parents=np.full(capacity, NO_OPTION, np.int64),
-        first_child=np.full(capacity, NO_OPTION, np.int64),
-        next_sibling=np.full(capacity, NO_OPTION, np.int64),
-        depths=np.zeros(capacity, np.int64),
-        reach=np.zeros(capacity),
-        is_alive=np.zeros(capacity, np.bool_),
-        born=np.zeros(capacity, np.int64),
-        weights=np.zeros((capacity, n_actions)),
-        visits=np.zeros((capacity, n_actions), np.int64),
-    )

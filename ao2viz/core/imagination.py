@@ -6,10 +6,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ao2viz.core.columns import Columns, distance
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience, predict
 from ao2viz.core.inference import Workspace, find_shares
-from ao2viz.core.search import Columns, distance
 
 # An imagined repetition ends this many radii away from where it began.
 _LEAVES_AT = 1.5
@@ -41,6 +41,21 @@ class Imagination(NamedTuple):
     story_discount: NDArray[np.float64]  # [C, A]
     story_end: NDArray[np.int64]  # [C, A] the option where that trace ended, or NO_OPTION.
     value: NDArray[np.float64]  # [C] the greatest weight.
+
+
+def allocate_imagination(capacity: int, n_actions: int, voters: int) -> Imagination:
+    """Nothing imagined yet, for a forest of this capacity."""
+    return Imagination(
+        steps=np.zeros((capacity, n_actions), np.int32),
+        reward=np.zeros((capacity, n_actions)),
+        discount=np.zeros((capacity, n_actions)),
+        end_ids=np.full((capacity, n_actions, voters), NO_OPTION, np.int32),
+        end_shares=np.zeros((capacity, n_actions, voters), np.float32),
+        story_reward=np.full((capacity, n_actions), np.nan),
+        story_discount=np.zeros((capacity, n_actions)),
+        story_end=np.full((capacity, n_actions), NO_OPTION, np.int64),
+        value=np.zeros(capacity),
+    )
 
 
 @njit(cache=True)

@@ -7,9 +7,10 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ao2viz.core.columns import Columns, distance
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest
-from ao2viz.core.search import ANY_ACTION, Columns, Scratch, distance, find_nearest, make_scratch
+from ao2viz.core.search import ANY_ACTION, Scratch, find_nearest, make_scratch
 
 
 class Workspace(NamedTuple):
@@ -181,11 +182,11 @@ def trace_paths(
 ) -> None:
     """Writes each voter's path from its root, with the query's distance to every option on it."""
     for n in range(voters.shape[0]):
-        option = voters[n]
+        option = int(voters[n])
         while option >= 0:
             paths[n, columns.depths[option]] = option
             distances[n, columns.depths[option]] = distance(columns.scaled, option, query)
-            option = columns.parents[option]
+            option = int(columns.parents[option])
 
 
 def choose_action(

@@ -20,8 +20,12 @@ class Learner(Protocol):
     shape [D].
     """
 
-    config: Config
     n_steps: int  # Steps learned from so far.
+
+    @property
+    def config(self) -> Config:
+        """Every setting, frozen; only `set_decide_by` changes it."""
+        ...
 
     def start(self, observation: NDArray[np.float64]) -> tuple[GrowthEvent, ...]:
         """Begins an episode; what an unfinished one left behind is dropped."""

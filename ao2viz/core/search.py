@@ -12,28 +12,11 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ao2viz.core.columns import Columns, distance
+
 ANY_ACTION = -1
 # The walk compares rounded sums, so a bound is loosened by far more than rounding can spoil.
 _SLACK = 1e-9
-
-
-class Columns(NamedTuple):
-    """The growing arrays of a forest; `C` is the capacity, rows past the last option are unused.
-
-    A NamedTuple, not a class: numba compiles it as plain arrays.
-    """
-
-    values: NDArray[np.float64]  # [C, D] environment units.
-    scaled: NDArray[np.float64]  # [C, D] values times attention; where the search happens.
-    parents: NDArray[np.int64]  # [C] NO_OPTION at a root.
-    first_child: NDArray[np.int64]  # [C] NO_OPTION at a leaf.
-    next_sibling: NDArray[np.int64]  # [C] roots are one another's siblings.
-    depths: NDArray[np.int64]  # [C] 0 at a root.
-    reach: NDArray[np.float64]  # [C] greatest distance to a descendant.
-    is_alive: NDArray[np.bool_]  # [C]
-    born: NDArray[np.int64]  # [C] the agent's step at which it was made.
-    weights: NDArray[np.float64]  # [C, A] what each action is expected to earn.
-    visits: NDArray[np.int64]  # [C, A] how often each action was tried here.
 
 
 class Scratch(NamedTuple):
@@ -41,15 +24,6 @@ class Scratch(NamedTuple):
 
     stack: NDArray[np.int64]  # [C]
     bounds: NDArray[np.float64]  # [C]
-
-
-@njit(cache=True, inline="always")
-def distance(scaled: NDArray[np.float64], row: int, query: NDArray[np.float64]) -> float:
-    """L1 distance between an option and a query, both scaled by the attention weights."""
-    total = 0.0
-    for d in range(query.shape[0]):
-        total += abs(scaled[row, d] - query[d])
-    return total
 
 
 @njit(cache=True)
@@ -73,7 +47,6 @@ def find_nearest(
     worst = limit
     stack, bounds = scratch.stack, scratch.bounds
     top = 0
-    parent = -1
     child = first_root
     while True:
         base = top
@@ -113,14 +86,13 @@ def find_nearest(
                         place -= 1
                     bounds[place] = bound
                     stack[place] = child
-            child = columns.next_sibling[child]
+            child = int(columns.next_sibling[child])
         while top > 0 and bounds[top - 1] > worst:
             top -= 1
         if top == 0:
             return found
         top -= 1
-        parent = stack[top]
-        child = columns.first_child[parent]
+        child = int(columns.first_child[stack[top]])
 
 
 def make_scratch(capacity: int) -> Scratch:

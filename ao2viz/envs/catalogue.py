@@ -103,7 +103,12 @@ CATALOGUE: Mapping[str, Entry] = {
             ),
             ("torque −1", "no torque", "torque +1"),
             {
-                Preset.ANTICIPATING: {"attention_width": 4.0, "levels": 3, "story_length": 40},
+                Preset.ANTICIPATING: {
+                    "attention_width": 4.0,
+                    "levels": 3,
+                    "voters": 32,
+                    "story_length": 40,
+                },
                 Preset.PAPER: {
                     "threshold": 0.99,
                     "trace_length": 80,

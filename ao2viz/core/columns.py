@@ -1,0 +1,121 @@
+"""The growing arrays of a forest, and the compiled code that keeps the tree in them sound."""
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from ao2viz.core.decision import NO_OPTION
+
+
+class Columns(NamedTuple):
+    """The growing arrays of a forest; `C` is the capacity, rows past the last option are unused.
+
+    A NamedTuple, not a class: numba compiles it as plain arrays.
+    """
+
+    values: NDArray[np.float64]  # [C, D] environment units.
+    scaled: NDArray[np.float64]  # [C, D] values times attention; where the search happens.
+    parents: NDArray[np.int64]  # [C] NO_OPTION at a root.
+    first_child: NDArray[np.int64]  # [C] NO_OPTION at a leaf.
+    next_sibling: NDArray[np.int64]  # [C] roots are one another's siblings.
+    depths: NDArray[np.int64]  # [C] 0 at a root.
+    reach: NDArray[np.float64]  # [C] greatest distance to a descendant.
+    is_alive: NDArray[np.bool_]  # [C]
+    born: NDArray[np.int64]  # [C] the agent's step at which it was made.
+    weights: NDArray[np.float64]  # [C, A] what each action is expected to earn.
+    visits: NDArray[np.int64]  # [C, A] how often each action was tried here.
+
+
+@njit(cache=True, inline="always")
+def distance(scaled: NDArray[np.float64], row: int, query: NDArray[np.float64]) -> float:
+    """L1 distance between an option and a query, both scaled by the attention weights."""
+    total = 0.0
+    for d in range(query.shape[0]):
+        total += abs(scaled[row, d] - query[d])
+    return total
+
+
+@njit(cache=True)
+def insert(columns: Columns, heads: NDArray[np.int64], row: int, parent: int) -> None:
+    """Hangs a row into the tree, in front of its siblings, and lets its ancestors know."""
+    columns.parents[row] = parent
+    if parent < 0:
+        columns.depths[row] = 0
+        columns.next_sibling[row] = heads[0]
+        heads[0] = row
+        return
+    columns.depths[row] = columns.depths[parent] + 1
+    columns.next_sibling[row] = columns.first_child[parent]
+    columns.first_child[parent] = row
+    extend_reach(columns, row)
+
+
+@njit(cache=True)
+def extend_reach(columns: Columns, row: int) -> None:
+    """Lets every ancestor know how far away this option is."""
+    ancestor = int(columns.parents[row])
+    while ancestor >= 0:
+        d = distance(columns.scaled, ancestor, columns.scaled[row])
+        columns.reach[ancestor] = max(columns.reach[ancestor], d)
+        ancestor = int(columns.parents[ancestor])
+
+
+@njit(cache=True)
+def add_row(
+    columns: Columns,
+    heads: NDArray[np.int64],
+    value: NDArray[np.float64],
+    scaled: NDArray[np.float64],
+    parent: int,
+    step: int,
+) -> int:
+    """Writes a new option into the next free row and returns its id; capacity must suffice."""
+    row = heads[1]
+    heads[1] += 1
+    columns.values[row] = value
+    columns.scaled[row] = scaled
+    columns.first_child[row] = NO_OPTION
+    columns.reach[row] = 0.0
+    columns.is_alive[row] = True
+    columns.born[row] = step
+    columns.weights[row] = 0.0
+    columns.visits[row] = 0
+    insert(columns, heads, row, parent)
+    return row
+
+
+@njit(cache=True)
+def measure_reach(columns: Columns, count: int) -> None:
+    """Finds every reach anew, from the tree."""
+    columns.reach[:count] = 0.0
+    for row in range(count):
+        if columns.is_alive[row]:
+            extend_reach(columns, row)
+
+
+def walk_siblings(columns: Columns, option: int) -> Iterator[int]:
+    """An option and the siblings after it; the tree may change behind the walk."""
+    while option != NO_OPTION:
+        following = int(columns.next_sibling[option])
+        yield option
+        option = following
+
+
+def allocate(capacity: int, n_features: int, n_actions: int) -> Columns:
+    """Empty columns for so many options."""
+    return Columns(
+        values=np.zeros((capacity, n_features)),
+        scaled=np.zeros((capacity, n_features)),
+        parents=np.full(capacity, NO_OPTION, np.int64),
+        first_child=np.full(capacity, NO_OPTION, np.int64),
+        next_sibling=np.full(capacity, NO_OPTION, np.int64),
+        depths=np.zeros(capacity, np.int64),
+        reach=np.zeros(capacity),
+        is_alive=np.zeros(capacity, np.bool_),
+        born=np.zeros(capacity, np.int64),
+        weights=np.zeros((capacity, n_actions)),
+        visits=np.zeros((capacity, n_actions), np.int64),
+    )
