@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from ao2viz.cli.console import say
+from ao2viz.cli.files import RUNS_FOLDER
 from ao2viz.store.files import read
 
 
@@ -18,6 +19,6 @@ def run(file: Path | None, *, host: str, port: int, open_browser: bool) -> None:
     from ao2viz.ui.app import serve  # noqa: PLC0415 -- heavy.
 
     try:
-        serve(file, host=host, port=port, open_browser=open_browser)
+        serve(file, host, port, open_browser, folder=RUNS_FOLDER.resolve())
     except KeyboardInterrupt:
         say("Stopped.")

@@ -3,6 +3,9 @@
 import tempfile
 from pathlib import Path
 
+RUNS_FOLDER = Path("runs")
+"""Where agents go, and are looked for, if nothing else is said; below the working folder."""
+
 
 def check_output(path: Path, *, overwrite: bool) -> None:
     """Makes the folder, and makes sure that saving to the path will not fail later.

@@ -9,6 +9,7 @@ from rich.text import Text
 
 from ao2viz.cli.console import say, say_aside, show_json, show_table
 from ao2viz.cli.evaluation import describe_episode, say_outcome
+from ao2viz.cli.files import RUNS_FOLDER
 from ao2viz.core.config import config_to_dict
 from ao2viz.resources import saved_schemas
 from ao2viz.store.files import Summary, list_agents, read
@@ -58,7 +59,7 @@ def run_list(folder: Path | None, *, as_json: bool) -> None:
     """
     if folder is not None and not folder.is_dir():
         raise NotADirectoryError(20, "There is no such folder", str(folder))
-    folders = [folder] if folder is not None else [saved_schemas(), Path("runs")]
+    folders = [folder] if folder is not None else [saved_schemas(), RUNS_FOLDER]
     found = [summary for place in folders for summary in list_agents(place)]
     if as_json:
         show_json([_list_entry(summary) for summary in found])

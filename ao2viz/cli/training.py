@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemaining
 from ao2viz.agent import AO2
 from ao2viz.cli.console import say, say_aside, say_error, show_json, stderr
 from ao2viz.cli.exit_codes import EXIT_FAILED
-from ao2viz.cli.files import check_output
+from ao2viz.cli.files import RUNS_FOLDER, check_output
 from ao2viz.cli.interrupts import DeferredInterrupts
 from ao2viz.core.config import Preset
 from ao2viz.training.loop import StepResult
@@ -103,7 +103,7 @@ def parse_settings(settings: Sequence[str]) -> dict[str, Any]:
 def default_path(env: str, preset: Preset, seed: int) -> Path:
     """Where `train` saves if it is not told: in `runs`, named after what was trained."""
     name = re.sub(r"[^A-Za-z0-9.-]+", "_", env)
-    return Path("runs") / f"{name}-{preset.value}-seed{seed}.ao2"
+    return RUNS_FOLDER / f"{name}-{preset.value}-seed{seed}.ao2"
 
 
 def _save(agent: AO2, path: Path) -> Path:
