@@ -1,0 +1,182 @@
+"""Why the agent did what it did, in words: recorded numbers formatted, nothing guessed.
+
+Rule: every number in a sentence is in the Decision, or is computed from it and the forest in a
+way that the sentence names. Ties and exploration are said first, because then the numbers are not
+the reason.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
+from ao2viz.core.forest import ForestView
+from ao2viz.envs.catalogue import Feature
+from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.words import amount, count, number, pair, percent
+
+
+@dataclass(frozen=True)
+class Explanation:
+    """A decision in words."""
+
+    headline: str  # What it did: "push right".
+    reason: str  # One or two sentences.
+    marks: tuple[str, ...]  # Short remarks: "explored", "tie", "new option 12", "close call".
+
+
+@dataclass(frozen=True)
+class Gap:
+    """One feature of the comparison between what was seen and an option's value."""
+
+    feature: str
+    seen: str
+    known: str  # The option's value.
+    share: float  # Of the distance, in [0, 1]; NaN if attention has changed since.
+
+
+@dataclass(frozen=True)
+class PathStep:
+    """One option on the way from the root to the most similar option."""
+
+    option: int
+    distance: float
+    gaps: tuple[Gap, ...]  # The biggest first; empty if the forest no longer holds the option.
+
+
+CLOSE_CALL = 0.001
+"""A margin below this share of the expected return is called close."""
+
+
+def explain(decision: Decision, spec: TaskSpec, view: ForestView | None = None) -> Explanation:
+    """Says what was done and why.
+
+    Args:
+        decision: As recorded.
+        spec: Names actions and features.
+        view: The forest, if at hand: adds where the most similar option differs the most.
+    """
+    action = spec.action_names[decision.action]
+    marks = []
+    if decision.explored:
+        marks.append("explored")
+    if decision.is_tie:
+        marks.append("tie")
+    if decision.created != NO_OPTION:
+        marks.append(f"new option {decision.created}")
+    if len(decision.voters) == 0:
+        how = "it was drawn at random" if decision.explored else "nothing spoke for another action"
+        return Explanation(action, f"There were no options to ask yet, so {how}.", tuple(marks))
+    if _is_close(decision):
+        marks.append("close call")
+    reason = f"{_main_clause(decision, spec)} {_whom(decision, spec, view)}"
+    if decision.created != NO_OPTION:
+        reason += f" What was seen was new enough for an option of its own: {decision.created}."
+    return Explanation(action, reason, tuple(marks))
+
+
+def path_steps(
+    decision: Decision, spec: TaskSpec, view: ForestView | None = None, voter: int = 0
+) -> tuple[PathStep, ...]:
+    """The path to a voter, root first, with what was compared at every option."""
+    if len(decision.voters) == 0:
+        return ()
+    path = decision.path_of(voter)
+    distances = decision.path_distances[voter, : len(path)]
+    return tuple(
+        PathStep(
+            int(option),
+            float(distance),
+            _gaps(int(option), float(distance), decision, spec, view),
+        )
+        for option, distance in zip(path, distances, strict=True)
+    )
+
+
+def _main_clause(decision: Decision, spec: TaskSpec) -> str:
+    values = decision.action_values
+    chosen, best = decision.action, decision.best_action
+    names = spec.action_names
+    if decision.explored:
+        text = f"Exploring: {names[chosen]} was drawn at random"
+        if decision.is_tie:
+            return (
+                f"{text}; several actions were expected to earn the same, {number(values[best])}."
+            )
+        if chosen == best:
+            return f"{text}; it also was expected to earn the most, {number(values[best])}."
+        low, high = pair(float(values[chosen]), float(values[best]))
+        return f"{text}. {_cap(names[best])} was expected to earn more: {high} against {low}."
+    if decision.is_tie:
+        tied = [names[i] for i in np.flatnonzero(values == values[best])]
+        return f"A tie: {_listed(tied)} were expected to earn exactly {number(values[best])}."
+    if len(values) == 1:
+        return f"The only action, expected to earn {number(values[chosen])}."
+    other = decision.runner_up_action
+    high, low = pair(float(values[chosen]), float(values[other]))
+    more = number(decision.margin)
+    return f"Expected to earn {high} against {low} for {names[other]}: {more} more."
+
+
+def _whom(decision: Decision, spec: TaskSpec, view: ForestView | None) -> str:
+    first = int(decision.voters[0])
+    if decision.decide_by is DecideBy.PATH:
+        text = f"Option {first}, the most similar, decided alone"
+    elif len(decision.voters) == 1:
+        text = f"Option {first} was the only one to vote"
+    else:
+        share, loudest = percent(float(decision.shares[0])), int(np.argmax(decision.shares))
+        text = f"{count(len(decision.voters), 'option')} voted; the most similar, {first}, had "
+        most = percent(float(decision.shares[loudest]))
+        if loudest == 0:
+            text += f"the most say: {share}"
+        else:
+            text += f"{share} of the say"
+            if most != share:
+                text += f", {int(decision.voters[loudest])} the most: {most}"
+    gaps = _gaps(first, decision.distance, decision, spec, view)
+    if not gaps:
+        return f"{text}."
+    if decision.distance == 0:
+        return f"{text}. It stands for exactly what was seen."
+    gap = gaps[0]
+    seen, known = gap.seen, gap.known
+    if seen == known:
+        return f"{text}. It stands for almost exactly what was seen."
+    return f"{text}. It differs most in {gap.feature}: {known} there, {seen} now."
+
+
+def _gaps(
+    option: int, distance: float, decision: Decision, spec: TaskSpec, view: ForestView | None
+) -> tuple[Gap, ...]:
+    if view is None or not (0 <= option < len(view.parents)) or not view.is_alive[option]:
+        return ()
+    parts = view.attention * np.abs(decision.observation - view.values[option])
+    total = float(parts.sum())
+    # Attention is learned: after it changed, today's parts no longer add up to that distance.
+    holds = np.isclose(total, distance, rtol=1e-6, atol=1e-12)
+    shares = parts / total if holds and total > 0 else np.full(len(parts), np.nan)
+    order = np.argsort(-parts, kind="stable")
+    return tuple(
+        _gap(spec.features[i], decision.observation[i], view.values[option, i], shares[i])
+        for i in order
+    )
+
+
+def _gap(feature: Feature, seen: float, known: float, share: float) -> Gap:
+    return Gap(feature.name, amount(seen, feature), amount(known, feature), float(share))
+
+
+def _is_close(decision: Decision) -> bool:
+    if decision.explored or decision.is_tie or len(decision.action_values) < 2:
+        return False
+    scale = float(np.abs(decision.action_values).max())
+    return 0 <= decision.margin < CLOSE_CALL * scale
+
+
+def _listed(names: list[str]) -> str:
+    return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
+
+
+def _cap(text: str) -> str:
+    return text[:1].upper() + text[1:]

@@ -1,0 +1,53 @@
+"""Numbers, values and names as people read them; plain text, not HTML."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ao2viz.envs.catalogue import Feature
+from ao2viz.envs.task import TaskSpec
+
+
+def number(value: float, digits: int = 3) -> str:
+    """A number with a real minus sign and about so many significant digits."""
+    if not np.isfinite(value):
+        return "unknown" if np.isnan(value) else ("∞" if value > 0 else "−∞")
+    if value != 0 and (abs(value) < 1e-4 or abs(value) >= 1e6):
+        text = f"{value:.{digits - 1}e}"
+    else:
+        size = int(np.floor(np.log10(abs(value)))) if value else 0
+        text = f"{value:.{max(0, min(6, digits - 1 - size))}f}"
+    return "0" if float(text) == 0 and value == 0 else text.replace("-", "−")
+
+
+def pair(one: float, other: float) -> tuple[str, str]:
+    """Two numbers to be compared, with enough digits to tell them apart where they differ."""
+    for digits in (3, 4, 5, 6):
+        texts = number(one, digits), number(other, digits)
+        if texts[0] != texts[1] or one == other:
+            return texts
+    return f"{one!r}".replace("-", "−"), f"{other!r}".replace("-", "−")
+
+
+def amount(value: float, feature: Feature) -> str:
+    """A feature's value in the unit it is shown in: "−3.1°", "0.12 m/s"."""
+    text = number(value * feature.scale)
+    if not feature.unit:
+        return text
+    return f"{text}{feature.unit}" if feature.unit.startswith("°") else f"{text} {feature.unit}"
+
+
+def amounts(observation: NDArray[np.float64], spec: TaskSpec) -> list[str]:
+    """Every feature of an observation or of an option's value, [D]."""
+    return [amount(float(v), f) for v, f in zip(observation, spec.features, strict=True)]
+
+
+def percent(share: float) -> str:
+    """A share as a whole percentage; "under 1 %" instead of a zero that is none."""
+    if 0 < share < 0.005:
+        return "under 1 %"
+    return f"{100 * share:.0f} %"
+
+
+def count(n: int, noun: str) -> str:
+    """ "1 step", "2 steps", "12,000 steps"."""
+    return f"{n:,} {noun}" if n == 1 else f"{n:,} {noun}s"

@@ -1,0 +1,136 @@
+"""How training went, and what an option expects: plotly figures that read on dark and on light."""
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+
+from ao2viz.envs.task import TaskSpec
+from ao2viz.figures.palette import ACTIONS, action_colors, to_hex
+
+MAX_POINTS = 2_000
+"""More points than a chart has pixels are thinned out."""
+
+_SMOOTH_EPISODES = 20
+_INK = "#8b95a5"  # Readable on #1a1d24 and on white alike.
+_GRID = "rgba(139,149,165,0.22)"
+
+
+def returns_figure(history: NDArray[np.float64], spec: TaskSpec | None) -> go.Figure:
+    """Return of each training episode over the agent's steps, and its running mean.
+
+    Args:
+        history: [E, 4] as in `History`.
+        spec: Adds the paper's score and the mark people call solved, where they are known.
+    """
+    figure = _frame("steps", "return")
+    steps, returns = history[:, 0], history[:, 1]
+    smooth = _running_mean(returns, _SMOOTH_EPISODES)
+    shown = _thin(len(steps))
+    line = dict(color=to_hex(ACTIONS[0]))
+    figure.add_scatter(
+        x=steps[shown],
+        y=returns[shown],
+        name="each episode",
+        mode="lines+markers" if len(steps) < 60 else "lines",
+        line=dict(line, width=1),
+        marker=dict(size=3),
+        opacity=0.45,
+    )
+    figure.add_scatter(
+        x=steps[shown],
+        y=smooth[shown],
+        name=f"mean of {_SMOOTH_EPISODES}",
+        mode="lines",
+        line=dict(color=to_hex(ACTIONS[1]), width=2.5),
+    )
+    if spec is not None:
+        _mark(figure, spec.entry.solved_at, "solved", "dash")
+        _mark(figure, spec.entry.paper_score, "paper", "dot")
+    return figure
+
+
+def options_figure(history: NDArray[np.float64]) -> go.Figure:
+    """Living options at the end of each training episode, over the agent's steps."""
+    figure = _frame("steps", "options")
+    shown = _thin(len(history))
+    figure.add_scatter(
+        x=history[shown, 0],
+        y=history[shown, 3],
+        name="options",
+        mode="lines",
+        line=dict(color=to_hex(ACTIONS[2]), width=2.5),
+        fill="tozeroy",
+        fillcolor="rgba(0,158,115,0.13)",
+    )
+    figure.update_layout(showlegend=False)
+    return figure
+
+
+def weights_figure(
+    weights: NDArray[np.float64], visits: NDArray[np.int64], spec: TaskSpec
+) -> go.Figure:
+    """What one option expects of each action; an action it never tried is left empty.
+
+    Args:
+        weights: [A] of the option.
+        visits: [A] of the option.
+        spec: Names the actions.
+    """
+    figure = _frame("expected return", "")
+    colors = action_colors(spec.n_actions, is_ordered=spec.action_grid is not None)
+    tried = np.where(visits > 0, weights, np.nan)
+    figure.add_bar(
+        y=list(spec.action_names),
+        x=tried,
+        orientation="h",
+        marker_color=[to_hex(c) for c in colors],
+        text=["never tried" if n == 0 else f"{n} visits" for n in visits],
+        textposition="auto",
+        hovertemplate="%{y}: %{x:.2f}<extra></extra>",
+    )
+    figure.update_layout(showlegend=False)
+    figure.update_yaxes(autorange="reversed")
+    return figure
+
+
+def _frame(x: str, y: str) -> go.Figure:
+    figure = go.Figure()
+    figure.update_layout(
+        template="none",
+        paper_bgcolor="rgba(0,0,0,0)",
+        plot_bgcolor="rgba(0,0,0,0)",
+        font=dict(family="Segoe UI, Roboto, Helvetica, Arial, sans-serif", size=11, color=_INK),
+        margin=dict(l=46, r=10, t=26, b=38),
+        legend=dict(orientation="h", x=0, y=1.02, yanchor="bottom", bgcolor="rgba(0,0,0,0)"),
+        hovermode="x unified",
+    )
+    axis = dict(gridcolor=_GRID, zeroline=False, linecolor=_GRID, ticks="", automargin=True)
+    figure.update_xaxes(title=dict(text=x, standoff=6), **axis)
+    figure.update_yaxes(title=dict(text=y, standoff=4), **axis)
+    return figure
+
+
+def _mark(figure: go.Figure, level: float | None, word: str, dash: str) -> None:
+    if level is None:
+        return
+    figure.add_hline(
+        y=level,
+        line=dict(color=_INK, width=1.2, dash=dash),
+        annotation=dict(text=f"{word} {level:g}".replace("-", "−"), font=dict(size=10, color=_INK)),
+        annotation_position="top left",
+    )
+
+
+def _running_mean(values: NDArray[np.float64], window: int) -> NDArray[np.float64]:
+    """Mean of the latest `window` values at each position, of fewer at the beginning."""
+    sums = np.cumsum(np.r_[0.0, values])
+    ends = np.arange(1, len(values) + 1)
+    starts = np.maximum(0, ends - window)
+    return (sums[ends] - sums[starts]) / (ends - starts)
+
+
+def _thin(count: int) -> NDArray[np.int64]:
+    """Positions of at most MAX_POINTS of `count` points, first and last among them."""
+    if count <= MAX_POINTS:
+        return np.arange(count)
+    return np.linspace(0, count - 1, MAX_POINTS).round().astype(np.int64)

@@ -1,0 +1,278 @@
+"""The dashboard: one loop that takes commands in and brings the screen up to date."""
+
+import contextlib
+import threading
+import time
+import webbrowser
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import viser
+
+from ao2viz import resources
+from ao2viz.core.config import Preset
+from ao2viz.core.decision import NO_OPTION
+from ao2viz.envs.catalogue import CATALOGUE
+from ao2viz.training.runner import ProcessRunner, Runner
+from ao2viz.training.states import RunStatus
+from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.browser import Browser
+from ao2viz.ui.commands import Connect, Disconnect, Select
+from ao2viz.ui.frames import FrameStore
+from ao2viz.ui.inbox import Inbox
+from ao2viz.ui.library import Library
+from ao2viz.ui.picture import Gallery
+from ao2viz.ui.reduce import Effect, Notify, PickOption, advance, follow, reduce
+from ao2viz.ui.security import make_server, make_token
+from ao2viz.ui.session import Form, Session
+from ao2viz.ui.stage import Stage
+from ao2viz.ui.view import View, project
+from ao2viz.ui.world import World
+
+TICK_S = 0.05
+"""At most this often the screen is brought up to date."""
+
+_FIRST = "CartPole-v1"  # Opened when nothing else is asked for.
+_RELIST_S = 2.0  # Files that others put on the shelf appear after so long.
+
+
+class Dashboard:
+    """Serves the page until stopped. The app loop is the only writer of viser's handles."""
+
+    def __init__(
+        self,
+        agent: Path | None = None,
+        *,
+        host: str = "127.0.0.1",
+        port: int = 8080,
+        folder: Path | None = None,
+        shipped: Path | None = None,
+        make_runner: Callable[[], Runner] = ProcessRunner,
+        env_ids: tuple[str, ...] = tuple(CATALOGUE),
+    ) -> None:
+        """Makes a dashboard; nothing listens before `start`.
+
+        Args:
+            agent: The file to open; None opens a bundled one.
+            host: What to listen on. Anything but this computer gets a token in its address.
+            port: 0 takes any that is free; a taken one makes viser take the next.
+            folder: Where agents are saved and looked for; None: the working directory.
+            shipped: The folder of the bundled agents; None: the one that comes with ao2viz.
+            make_runner: Makes what trains.
+            env_ids: The environments offered by name.
+        """
+        self._host, self._wanted_port = host, port
+        self._token = make_token() if host not in ("127.0.0.1", "localhost", "::1") else None
+        self._make_runner = make_runner
+        self._folder = folder if folder is not None else Path.cwd()
+        extra = agent.resolve() if agent is not None else None
+        self._library = Library(shipped or resources.saved_schemas(), self._folder, extra)
+        self._env_ids = env_ids
+        self._inbox = Inbox()
+        self._frames = FrameStore()
+        self._gallery = Gallery()
+        self._browsers: dict[int, Browser] = {}
+        self._sessions: dict[int, Session] = {}
+        self._world = World(folder=self._folder, env_ids=env_ids)
+        self._relist_at = 0.0
+        self._stopping = threading.Event()
+        self._server: viser.ViserServer | None = None
+        self._stage: Stage | None = None
+        self._runner: Runner | None = None
+        self._loop: threading.Thread | None = None
+
+    @property
+    def port(self) -> int:
+        """Where it listens; not always the port that was asked for."""
+        if self._server is None:
+            raise RuntimeError("The dashboard listens to nothing before start().")
+        return self._server.get_port()
+
+    @property
+    def address(self) -> str:
+        """What to type into a browser, the token included."""
+        host = "localhost" if self._host in ("0.0.0.0", "::") else self._host
+        token = f"?token={self._token}" if self._token is not None else ""
+        return f"http://{host}:{self.port}/{token}"
+
+    @property
+    def sessions(self) -> Mapping[int, Session]:
+        """What each browser chose, by client id; for tests."""
+        return dict(self._sessions)
+
+    @property
+    def views(self) -> Mapping[int, View]:
+        """What each browser shows, by client id; for tests."""
+        return {i: project(session, self._world) for i, session in self._sessions.items()}
+
+    def start(self) -> None:
+        """Begins to listen; returns at once."""
+        server = self._server = make_server(self._host, self._wanted_port, self._token)
+        self._stage = Stage(server)
+        self._loop = threading.Thread(target=self._run, name="app loop", daemon=True)
+
+        @server.on_client_connect
+        async def _(client: viser.ClientHandle) -> None:
+            self._inbox.put(client.client_id, Connect())
+
+        @server.on_client_disconnect
+        async def _(client: viser.ClientHandle) -> None:
+            self._inbox.put(client.client_id, Disconnect())
+
+        self._loop.start()
+
+    def stop(self) -> None:
+        """Ends everything that `start` began."""
+        self._stopping.set()
+        if self._loop is not None:
+            self._loop.join(timeout=10)
+        if self._runner is not None:
+            self._runner.close()
+        self._frames.close()
+        self._library.close()
+        if self._server is not None:
+            with contextlib.redirect_stdout(None):
+                self._server.stop()
+
+    def _run(self) -> None:
+        self._world = replace(self._world, shelf=self._library.shelf())
+        then = time.monotonic()
+        while not self._stopping.is_set():
+            now = time.monotonic()
+            try:
+                self._tick(now, now - then)
+            except Exception as error:  # The screen must outlive its own bugs, and tell of them.
+                self._tell_all(Notify("Something went wrong", _describe(error), is_error=True))
+            then = now
+            self._stopping.wait(max(0.002, TICK_S - (time.monotonic() - now)))
+
+    def _tick(self, now: float, seconds: float) -> None:
+        self._refresh_world(now)
+        for client_id, command in self._inbox.drain():
+            if isinstance(command, Connect):
+                self._connect(client_id)
+            elif isinstance(command, Disconnect):
+                self._browsers.pop(client_id, None)
+                self._sessions.pop(client_id, None)
+            elif client_id in self._sessions:
+                session, effects = reduce(self._sessions[client_id], command, self._world)
+                self._sessions[client_id] = session
+                for effect in effects:
+                    self._perform(client_id, effect)
+        for client_id, browser in list(self._browsers.items()):
+            session = advance(self._sessions[client_id], self._world, seconds)
+            self._sessions[client_id] = session
+            if session.source is not None:
+                self._library.open(session.source)
+            browser.sync(project(session, self._world), self._gallery, self._frames)
+        keys = {b.forest_key for b in self._browsers.values() if b.forest_key is not None}
+        self._gallery.keep_only(keys)
+
+    def _refresh_world(self, now: float) -> None:
+        before = self._world.update
+        update = self._runner.latest() if self._runner is not None else before
+        if update is not before:
+            for client_id, session in self._sessions.items():
+                self._sessions[client_id] = follow(session, before, update)
+            self._tell_about(before, update)
+            self._world = replace(self._world, update=update)
+        if self._library.poll():
+            self._world = replace(self._world, opened=self._library.opened)
+        if now >= self._relist_at:
+            self._relist_at = now + _RELIST_S
+            shelf = self._library.shelf()
+            if shelf != self._world.shelf:
+                self._world = replace(self._world, shelf=shelf)
+
+    def _tell_about(self, before: RunUpdate, update: RunUpdate) -> None:
+        """Pops up what people must not miss: failures, refusals and where a file went."""
+        if update.message == before.message or not update.message:
+            return
+        if update.is_error:
+            self._tell_all(Notify("Training", update.message, is_error=True))
+        elif "saved" in update.message.lower():
+            for path in list(self._library.opened):
+                if path.parent == self._folder:
+                    self._library.forget(path)
+            self._world = replace(self._world, opened=self._library.opened)
+            self._relist_at = 0.0
+            self._tell_all(Notify("Saved", update.message))
+
+    def _connect(self, client_id: int) -> None:
+        assert self._server is not None
+        assert self._stage is not None
+        client = self._server.get_clients().get(client_id)
+        if client is None:  # Gone again already.
+            return
+        self._sessions[client_id] = self._first_session()
+        self._browsers[client_id] = Browser(client, self._stage, self._inbox)
+
+    def _first_session(self) -> Session:
+        update, shelf = self._world.update, self._world.shelf
+        form = Form(env=self._env_ids[0] if self._env_ids else Form.env, preset=Preset.ANTICIPATING)
+        if _FIRST in self._env_ids:
+            form = replace(form, env=_FIRST)
+        if update.status in (RunStatus.PREPARING, RunStatus.RUNNING) or not shelf:
+            return Session(source=None, is_playing=False, form=form)
+        first = next((i for i in shelf if i.label.startswith(_FIRST)), shelf[0])
+        if self._library.extra is not None:
+            first = shelf[0]
+        return Session(source=first.path, form=form)
+
+    def _perform(self, client_id: int, effect: Effect) -> None:
+        match effect:
+            case Notify():
+                self._browsers[client_id].notify(effect)
+            case PickOption(pick):
+                option = self._browsers[client_id].pick(pick.origin, pick.direction)
+                if option != NO_OPTION:
+                    self._inbox.put(client_id, Select(option))
+            case _:
+                if self._runner is None:  # Made when first needed: a page opens sooner without.
+                    self._runner = self._make_runner()
+                self._runner.submit(effect)
+
+    def _tell_all(self, notice: Notify) -> None:
+        for browser in list(self._browsers.values()):
+            with contextlib.suppress(Exception):
+                browser.notify(notice)
+
+
+def serve(
+    agent_path: Path | None = None,
+    host: str = "127.0.0.1",
+    port: int = 8080,
+    open_browser: bool = True,
+    *,
+    folder: Path | None = None,
+) -> None:
+    """Serves the dashboard until Ctrl-C, and says in the terminal where and what.
+
+    Args:
+        agent_path: The agent to open; None opens a bundled one.
+        host: What to listen on; anything but this computer gets a token in its address.
+        port: Taken ones are passed over; the terminal says which it became.
+        open_browser: Whether to open the page.
+        folder: Where agents are saved; None: the working directory.
+
+    Raises:
+        KeyboardInterrupt: On Ctrl-C, after everything was stopped.
+    """
+    dashboard = Dashboard(agent_path, host=host, port=port, folder=folder)
+    dashboard.start()
+    try:
+        shown = agent_path.name if agent_path is not None else "a bundled agent"
+        print(f"ao2viz shows {shown} at {dashboard.address}", flush=True)
+        if port not in {dashboard.port, 0}:
+            print(f"(port {port} was taken)", flush=True)
+        print("Press Ctrl-C to stop.", flush=True)
+        if open_browser:
+            webbrowser.open(dashboard.address)
+        threading.Event().wait()
+    finally:
+        dashboard.stop()
+
+
+def _describe(error: Exception) -> str:
+    return f"{type(error).__name__}: {error}"

@@ -1,0 +1,94 @@
+"""Everything on one browser's screen."""
+
+import viser
+
+from ao2viz.core.decision import NO_OPTION
+from ao2viz.ui.frames import FrameStore, on_dark
+from ao2viz.ui.inbox import Inbox, on_canvas_click
+from ao2viz.ui.overlay import Overlay, overlay
+from ao2viz.ui.panels.charts import ChartsPanel
+from ao2viz.ui.panels.control import ControlPanel
+from ao2viz.ui.panels.inspect import InspectPanel
+from ao2viz.ui.panels.legend import LegendPanel
+from ao2viz.ui.panels.watch import WatchPanel
+from ao2viz.ui.picture import Gallery, Picture
+from ao2viz.ui.reduce import Notify
+from ao2viz.ui.scene import Canvas
+from ao2viz.ui.stage import Stage
+from ao2viz.ui.view import ForestKey, View
+
+
+class Browser:
+    """The panels and the canvas of one browser. Only the app loop may call it."""
+
+    def __init__(self, client: viser.ClientHandle, stage: Stage, inbox: Inbox) -> None:
+        self._client = client
+        gui, me = client.gui, client.client_id
+        self.forest_key: ForestKey | None = None
+        self._picture: Picture | None = None
+        self._overlay: tuple[tuple[object, ...], Overlay | None] = ((), None)
+        self._raw_frame: bytes | None = None
+        with client.atomic():
+            self._control = ControlPanel(gui, me, inbox)
+            with stage.watch:
+                self._watch = WatchPanel(gui, me, inbox)
+            with stage.inspect:
+                self._inspect = InspectPanel(gui, me, inbox)
+            with stage.charts:
+                self._charts = ChartsPanel(gui)
+            with stage.legend:
+                self._legend = LegendPanel(gui, me, inbox)
+        self._canvas = Canvas(client)
+        on_canvas_click(client.scene, me, inbox)
+
+    def sync(self, view: View, gallery: Gallery, frames: FrameStore) -> None:
+        """Brings the screen up to date with the view."""
+        frame, problem = self._frame(view, frames)
+        self._watch.sync(view, frame, problem)
+        self._control.sync(view)
+        self._inspect.sync(view)
+        self._legend.sync(view)
+        self.forest_key = None
+        self._picture = None
+        if view.forest is not None and view.spec is not None:
+            self.forest_key = view.forest_key
+            self._picture = gallery.get(view.forest_key, view.forest, view.spec)
+        self._canvas.sync(self._picture, self._overlay_of(view))
+        self._canvas.aim(view.fits, view.focuses)
+        self._charts.sync(view)
+
+    def pick(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> int:
+        """The option under a click; NO_OPTION if there is none."""
+        return NO_OPTION if self._picture is None else self._picture.pick(origin, direction)
+
+    def notify(self, notice: Notify) -> None:
+        """Pops up a message. Viser shows it as text, so it needs no escaping."""
+        self._client.add_notification(
+            notice.title,
+            notice.body,
+            color="red" if notice.is_error else "blue",
+            auto_close_seconds=None if notice.is_error else 6.0,
+        )
+
+    def _frame(self, view: View, frames: FrameStore) -> tuple[bytes | None, str]:
+        if view.frame is not None:
+            if view.frame is self._raw_frame:
+                return None, ""
+            self._raw_frame = view.frame
+            return on_dark(view.frame), ""
+        self._raw_frame = None
+        if view.episode is None or view.spec is None:
+            return None, ""
+        return frames.get(view.episode, view.spec, view.transport.position)
+
+    def _overlay_of(self, view: View) -> Overlay | None:
+        inputs = (self._picture, view.decision, view.selected)
+        if len(self._overlay[0]) == 3 and all(
+            a is b for a, b in zip(inputs, self._overlay[0], strict=True)
+        ):
+            return self._overlay[1]
+        drawn = None
+        if self._picture is not None and view.spec is not None:
+            drawn = overlay(view.decision, view.selected, self._picture, view.spec)
+        self._overlay = (inputs, drawn)
+        return drawn

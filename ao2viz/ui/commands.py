@@ -1,0 +1,169 @@
+"""What a person can ask of the dashboard; each click becomes exactly one of these."""
+
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+from ao2viz.core.decision import DecideBy
+
+
+class Transport(Enum):
+    """The buttons below the picture."""
+
+    FIRST = "first step"
+    BACK = "one step back"
+    PLAY = "play or pause"
+    FORWARD = "one step forward"
+    LAST = "last step"
+
+
+class RunButton(Enum):
+    """The buttons that act on the training run, which all browsers share."""
+
+    START = "start"
+    PAUSE = "pause or go on"
+    STEP = "one step"
+    EPISODE = "one episode"
+    STOP = "stop"
+    SAVE = "save"
+
+
+class Field(Enum):
+    """What is filled in before a run starts or is saved."""
+
+    ENV = "environment"
+    CUSTOM_ENV = "other environment"
+    PRESET = "preset"
+    SEED = "seed"
+    STEPS = "steps"
+    FILE_NAME = "file name"
+
+
+@dataclass(frozen=True)
+class Move:
+    """Moves the replay."""
+
+    to: Transport
+
+
+@dataclass(frozen=True)
+class Seek:
+    """Shows a step of the episode."""
+
+    step: int
+
+
+@dataclass(frozen=True)
+class SetPlaySpeed:
+    """How fast a recorded episode plays: a factor of the usual pace."""
+
+    factor: float
+
+
+@dataclass(frozen=True)
+class ChooseSource:
+    """Watches a saved agent, or with None the training run."""
+
+    path: Path | None
+
+
+@dataclass(frozen=True)
+class ChooseEpisode:
+    """Plays another recorded episode from its beginning."""
+
+    index: int
+
+
+@dataclass(frozen=True)
+class Pick:
+    """A click on the canvas: selects the option under it, if there is one."""
+
+    origin: tuple[float, float, float]
+    direction: tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Select:
+    """Selects an option by id; NO_OPTION selects nothing."""
+
+    option: int
+
+
+@dataclass(frozen=True)
+class Fit:
+    """Shows the whole forest."""
+
+
+@dataclass(frozen=True)
+class FocusPath:
+    """Moves the camera to the path of the decision that is shown."""
+
+
+@dataclass(frozen=True)
+class TidyUp:
+    """Arranges the forest afresh; the only thing that moves options that are already there."""
+
+
+@dataclass(frozen=True)
+class Edit:
+    """Fills in a field."""
+
+    field: Field
+    value: str | int
+
+
+@dataclass(frozen=True)
+class Press:
+    """Presses a button of the run."""
+
+    button: RunButton
+
+
+@dataclass(frozen=True)
+class ConfirmOverwrite:
+    """Answers whether an existing file may be replaced."""
+
+    is_yes: bool
+
+
+@dataclass(frozen=True)
+class SetTrainingSpeed:
+    """Limits training to so many steps a second; None: no limit."""
+
+    steps_per_s: float | None
+
+
+@dataclass(frozen=True)
+class ChooseDecideBy:
+    """Switches the run between vote and path."""
+
+    decide_by: DecideBy
+
+
+@dataclass(frozen=True)
+class Connect:
+    """A browser came."""
+
+
+@dataclass(frozen=True)
+class Disconnect:
+    """A browser went."""
+
+
+Command = (
+    Move
+    | Seek
+    | SetPlaySpeed
+    | ChooseSource
+    | ChooseEpisode
+    | Pick
+    | Select
+    | Fit
+    | FocusPath
+    | TidyUp
+    | Edit
+    | Press
+    | ConfirmOverwrite
+    | SetTrainingSpeed
+    | ChooseDecideBy
+)

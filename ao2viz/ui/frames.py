@@ -1,0 +1,123 @@
+"""Pictures of recorded episodes, drawn again from seed and actions while people watch."""
+
+import io
+from collections import OrderedDict
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from ao2viz.envs.task import TaskSpec, make_env
+from ao2viz.recording.episode import Episode
+from ao2viz.training.loop import reset, step
+
+WIDTH = 560
+"""Pixels; the picture is shown about half as wide, on screens with two pixels to a point."""
+
+_QUALITY = 82
+_KEPT_EPISODES = 6
+_PANEL = np.array([26, 29, 36], np.float32)  # The background of the dock that holds the picture.
+
+
+@dataclass
+class _Reel:
+    """The pictures of one episode; the thread appends, the app loop reads."""
+
+    episode: Episode  # Held so that its id stays its own.
+    frames: list[bytes] = field(default_factory=list)
+    problem: str = ""
+    is_wanted: bool = True
+
+
+class FrameStore:
+    """Draws episodes in a thread of its own and keeps the pictures of the latest few."""
+
+    def __init__(self) -> None:
+        self._reels: OrderedDict[int, _Reel] = OrderedDict()
+        self._thread = ThreadPoolExecutor(1, "pictures")
+
+    def get(self, episode: Episode, spec: TaskSpec, position: int) -> tuple[bytes | None, str]:
+        """The JPEG at this step, or None with a reason (empty while it is being drawn)."""
+        reel = self._reels.get(id(episode))
+        if reel is None:
+            reel = self._reels[id(episode)] = _Reel(episode)
+            self._thread.submit(_draw_reel, reel, spec)
+            while len(self._reels) > _KEPT_EPISODES:
+                self._reels.popitem(last=False)[1].is_wanted = False
+        self._reels.move_to_end(id(episode))
+        if position < len(reel.frames):
+            return reel.frames[position], ""
+        return None, reel.problem
+
+    def close(self) -> None:
+        """Stops drawing."""
+        for reel in self._reels.values():
+            reel.is_wanted = False
+        self._thread.shutdown(wait=True, cancel_futures=True)
+
+
+def on_dark(jpeg: bytes) -> bytes:
+    """A picture with a white page behind it, fitted to the dark dock; others stay as they are."""
+    with Image.open(io.BytesIO(jpeg)) as image:
+        pixels = np.asarray(image.convert("RGB"))
+    return encode(pixels) if _is_page(pixels) else jpeg
+
+
+def encode(pixels: NDArray[np.uint8]) -> bytes:
+    """A picture [height, width, 3] as a JPEG that suits the dock."""
+    image = Image.fromarray(pixels)
+    if image.width > WIDTH:
+        image = image.resize((WIDTH, round(image.height * WIDTH / image.width)), Image.LANCZOS)
+    shown = np.asarray(image)
+    if _is_page(shown):
+        shown = _turn_dark(shown)
+    buffer = io.BytesIO()
+    Image.fromarray(shown).save(buffer, "JPEG", quality=_QUALITY)
+    return buffer.getvalue()
+
+
+def _is_page(pixels: NDArray[np.uint8]) -> bool:
+    """Whether most of the rim is white, as in all classic control tasks."""
+    rim = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
+    return bool((rim.min(axis=1) >= 250).mean() > 0.6)
+
+
+def _turn_dark(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """Swaps light and dark but keeps hues: the page becomes the dock's colour."""
+    light = pixels.astype(np.float32)
+    flipped = light + 255.0 - light.max(axis=2, keepdims=True) - light.min(axis=2, keepdims=True)
+    return (_PANEL + flipped * (255.0 - _PANEL) / 255.0).round().astype(np.uint8)
+
+
+def _draw_reel(reel: _Reel, spec: TaskSpec) -> None:
+    try:
+        for pixels in _replay(reel, spec):
+            if not reel.is_wanted:
+                return
+            reel.frames.append(encode(pixels))
+    except Exception as error:  # Whatever a stranger's environment raises is shown in words.
+        reel.problem = f"No picture: {error}"
+
+
+def _replay(reel: _Reel, spec: TaskSpec) -> Any:
+    """Yields the pixels of every step; stops where the environment no longer repeats itself."""
+    episode = reel.episode
+    env = make_env(episode.env_id, render=True)
+    try:
+        if env.render_mode != "rgb_array":
+            raise ValueError(f"{episode.env_id} cannot draw itself.")
+        observation = reset(env, spec, episode.seed)
+        for t in range(len(episode) + 1):
+            if t > 0:
+                observation = step(env, spec, int(episode.actions[t - 1]))[0]
+            if not np.allclose(observation, episode.observations[t], rtol=1e-6, atol=1e-9):
+                raise ValueError(
+                    f"{episode.env_id} no longer repeats this recording: step {t} came out "
+                    f"differently. It may be another version."
+                )
+            yield np.asarray(env.render())
+    finally:
+        env.close()

@@ -1,0 +1,74 @@
+"""Where clicks wait for the app loop, and the only callbacks that viser ever gets from us."""
+
+import queue
+from collections.abc import Callable
+from typing import Any
+
+import viser
+
+from ao2viz.ui.commands import Command, Connect, Disconnect, Pick
+
+Envelope = tuple[int, Command | Connect | Disconnect]
+"""Which browser, and what it asks."""
+
+
+class Inbox:
+    """Commands of all browsers in the order they came; any thread puts, the app loop drains."""
+
+    def __init__(self) -> None:
+        self._queue: queue.SimpleQueue[Envelope] = queue.SimpleQueue()
+
+    def put(self, client_id: int, command: Command | Connect | Disconnect) -> None:
+        """Leaves a command for the app loop."""
+        self._queue.put((client_id, command))
+
+    def drain(self) -> list[Envelope]:
+        """Takes everything that is waiting."""
+        taken = []
+        while True:
+            try:
+                taken.append(self._queue.get_nowait())
+            except queue.Empty:
+                return taken
+
+
+# The callbacks are `async` although they await nothing: viser runs those in order of arrival,
+# plain ones on a pool where a slow one reads a value that has changed since.
+
+
+def on_click(handle: viser.GuiButtonHandle, command: Command, client_id: int, inbox: Inbox) -> None:
+    """Sends a command whenever the button is pressed."""
+
+    @handle.on_click
+    async def _(_: viser.GuiEvent) -> None:
+        inbox.put(client_id, command)
+
+
+def on_change(
+    handle: Any, to_command: Callable[[Any], Command | None], client_id: int, inbox: Inbox
+) -> None:
+    """Sends a command whenever a person changes the value; None sends nothing."""
+
+    @handle.on_update
+    async def _(event: viser.GuiEvent) -> None:
+        if event.client is None:  # Assigned by `sync`, not by a person.
+            return
+        command = to_command(event.target.value)
+        if command is not None:
+            inbox.put(client_id, command)
+
+
+def on_trigger(handle: viser.CommandHandle, command: Command, client_id: int, inbox: Inbox) -> None:
+    """Sends a command when its key is pressed or it is chosen in the palette."""
+
+    @handle.on_trigger
+    async def _(_: viser.CommandEvent) -> None:
+        inbox.put(client_id, command)
+
+
+def on_canvas_click(scene: viser.SceneApi, client_id: int, inbox: Inbox) -> None:
+    """Sends the ray of every click on the canvas."""
+
+    @scene.on_click()
+    async def _(event: viser.SceneClickEvent) -> None:
+        inbox.put(client_id, Pick(tuple(event.ray_origin), tuple(event.ray_direction)))

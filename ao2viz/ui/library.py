@@ -1,0 +1,88 @@
+"""The shelf of agent files, and those that were opened."""
+
+from collections.abc import Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
+from pathlib import Path
+
+from ao2viz.store.errors import AgentFileError
+from ao2viz.store.files import SUFFIX, read
+from ao2viz.store.saved import SavedAgent
+from ao2viz.ui.world import LoadFailure, ShelfItem
+
+
+class Library:
+    """Lists agent files and opens them in a thread of its own."""
+
+    def __init__(self, shipped: Path, folder: Path, extra: Path | None = None) -> None:
+        """Makes a library.
+
+        Args:
+            shipped: The folder of the agents that come with the app.
+            folder: Where people save agents.
+            extra: A file from anywhere, put first.
+        """
+        self._shipped, self._folder, self.extra = shipped, folder, extra
+        self._opening: dict[Path, Future[SavedAgent]] = {}
+        self._opened: dict[Path, SavedAgent | LoadFailure] = {}
+        self._thread = ThreadPoolExecutor(1, "library")
+
+    @property
+    def opened(self) -> Mapping[Path, SavedAgent | LoadFailure]:
+        """Files that are open or cannot be; one that is missing here is still being read."""
+        return dict(self._opened)
+
+    def shelf(self) -> tuple[ShelfItem, ...]:
+        """Every file that can be watched: the given one, the shipped ones, the saved ones."""
+        shipped, saved = _agents_in(self._shipped), _agents_in(self._folder)
+        extra = [self.extra] if self.extra is not None else []
+        paths = list(dict.fromkeys([*extra, *shipped, *saved]))
+        labels: dict[str, Path] = {}
+        for path in paths:
+            label = path.stem
+            if label in labels:  # A file of the same name in another folder.
+                label = f"{label} ({path.parent.name})"
+            number = 2
+            while label in labels:
+                label, number = f"{path.stem} ({number})", number + 1
+            labels[label] = path
+        return tuple(ShelfItem(path, label) for label, path in labels.items())
+
+    def open(self, path: Path) -> None:
+        """Begins to read a file unless it is open already."""
+        if path not in self._opened and path not in self._opening:
+            self._opening[path] = self._thread.submit(_read, path)
+
+    def forget(self, path: Path) -> None:
+        """Reads a file anew the next time; it has been written."""
+        self._opened.pop(path, None)
+
+    def poll(self) -> bool:
+        """Takes over what has been read; whether there was anything."""
+        done = [path for path, future in self._opening.items() if future.done()]
+        for path in done:
+            future = self._opening.pop(path)
+            try:
+                self._opened[path] = future.result()
+            except (AgentFileError, OSError) as error:
+                self._opened[path] = LoadFailure(f"Cannot open {path.name}: {error}")
+            except Exception as error:  # A bug, not a broken file; still no reason to die.
+                self._opened[path] = LoadFailure(
+                    f"Cannot open {path.name}: {type(error).__name__}: {error}"
+                )
+        return bool(done)
+
+    def close(self) -> None:
+        """Stops reading."""
+        self._thread.shutdown(wait=True, cancel_futures=True)
+
+
+def _agents_in(folder: Path) -> list[Path]:
+    if not folder.is_dir():
+        return []
+    return sorted(p for p in folder.glob(f"*{SUFFIX}") if not p.name.startswith("."))
+
+
+def _read(path: Path) -> SavedAgent:
+    saved = read(path)
+    saved.forest_view()  # Cached: whatever is wrong with it shows up here, off the app loop.
+    return saved

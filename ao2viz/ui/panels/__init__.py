@@ -1,0 +1,1 @@
+"""The panels: each is built once for a browser and synced by the app loop alone."""

@@ -1,0 +1,158 @@
+"""The right dock, above: what to train, and the buttons of the run that all browsers share."""
+
+import viser
+
+from ao2viz.core.config import Preset
+from ao2viz.core.decision import DecideBy
+from ao2viz.explain.words import count, number
+from ao2viz.training.states import RunStatus
+from ao2viz.training.updates import RunUpdate
+from ao2viz.ui import html
+from ao2viz.ui.commands import (
+    ChooseDecideBy,
+    ConfirmOverwrite,
+    Edit,
+    Field,
+    Press,
+    RunButton,
+    SetTrainingSpeed,
+)
+from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
+from ao2viz.ui.session import OTHER_ENV
+from ao2viz.ui.view import View
+
+_SPEEDS: dict[str, float | None] = {
+    "full": None,
+    "1000/s": 1000.0,
+    "300/s": 300.0,
+    "100/s": 100.0,
+    "30/s": 30.0,
+    "10/s": 10.0,
+    "3/s": 3.0,
+}
+_BUTTONS = (
+    (RunButton.START, "Start", viser.Icon.PLAYER_PLAY, "green", "T"),
+    (RunButton.PAUSE, "Pause", viser.Icon.PLAYER_PAUSE, "gray", "H"),
+    (RunButton.STOP, "Stop", viser.Icon.PLAYER_STOP, "gray", None),
+    (RunButton.STEP, "Step", viser.Icon.PLAYER_SKIP_FORWARD, "gray", "N"),
+    (RunButton.EPISODE, "Episode", viser.Icon.PLAYER_TRACK_NEXT, "gray", "B"),
+    (RunButton.SAVE, "Save", viser.Icon.DEVICE_FLOPPY, "gray", "S"),
+)
+_LARGEST_SEED = 2**31 - 1
+_MOST_STEPS = 10_000_000
+
+
+class ControlPanel:
+    """Starts, steers and saves training."""
+
+    def __init__(self, gui: viser.GuiApi, client_id: int, inbox: Inbox) -> None:
+        def edit(field: Field) -> viser.GuiInputHandle:  # Shortens the wiring below.
+            handle = self._fields[field]
+            on_change(handle, lambda value: Edit(field, value), client_id, inbox)
+            return handle
+
+        self._fields: dict[Field, viser.GuiInputHandle] = {}
+        self._shown: tuple[object, ...] = ()
+        self._fields[Field.ENV] = gui.add_dropdown("Environment", (OTHER_ENV,))
+        self._fields[Field.CUSTOM_ENV] = gui.add_text("Gymnasium id", "", visible=False)
+        presets = tuple(p.value for p in (Preset.ANTICIPATING, Preset.PAPER))
+        self._fields[Field.PRESET] = gui.add_dropdown("Preset", presets)
+        gui.add_html(html.row(2))
+        self._fields[Field.SEED] = gui.add_number("Seed", 0, min=0, max=_LARGEST_SEED, step=1)
+        self._fields[Field.STEPS] = gui.add_number("Steps", 20_000, min=1, max=_MOST_STEPS, step=1)
+        self._buttons: dict[RunButton, viser.GuiButtonHandle] = {}
+        self._keys: dict[RunButton, viser.CommandHandle] = {}
+        for i, (button, label, icon, color, key) in enumerate(_BUTTONS):
+            if i % 3 == 0:
+                gui.add_html(html.row(3))
+            self._buttons[button] = handle = gui.add_button(label, icon=icon, color=color)
+            on_click(handle, Press(button), client_id, inbox)
+            command = gui.add_command(f"Training: {button.value}", hotkey=key, icon=icon)
+            on_trigger(command, Press(button), client_id, inbox)
+            self._keys[button] = command
+        self._fields[Field.FILE_NAME] = gui.add_text("File name", "")
+        self._question = gui.add_html("", visible=False)
+        self._replace = gui.add_button("Replace it", color="orange", visible=False)
+        on_click(self._replace, ConfirmOverwrite(True), client_id, inbox)
+        self._keep = gui.add_button("Keep the old one", color="gray", visible=False)
+        on_click(self._keep, ConfirmOverwrite(False), client_id, inbox)
+        gui.add_html(html.row(2))
+        self._speed = gui.add_dropdown("Speed", tuple(_SPEEDS), hint="Steps a second, at most.")
+        on_change(self._speed, lambda s: SetTrainingSpeed(_SPEEDS[s]), client_id, inbox)
+        self._decide_by = gui.add_dropdown(
+            "Decide by",
+            tuple(d.value for d in DecideBy),
+            hint="vote: up to 16 similar options; path: the most similar option alone.",
+        )
+        on_change(self._decide_by, lambda v: ChooseDecideBy(DecideBy(v)), client_id, inbox)
+        self._progress = gui.add_progress_bar(0.0)
+        self._status = gui.add_html("")
+        for field in Field:
+            edit(field)
+
+    def sync(self, view: View) -> None:
+        """Shows the view. Assigning an unchanged value sends nothing."""
+        form, run = view.form, view.run
+        env = self._fields[Field.ENV]
+        options = (*view.env_ids, OTHER_ENV)
+        if env.options != options:
+            env.options = options
+        values = (form.env, form.custom_env, form.preset.value, form.seed, form.steps)
+        for field, value in zip(Field, (*values, form.file_name), strict=True):
+            self._fields[field].value = value
+        self._fields[Field.CUSTOM_ENV].visible = form.env == OTHER_ENV
+        for button, handle in self._buttons.items():
+            handle.disabled = self._keys[button].disabled = button not in view.enabled
+        pause = self._buttons[RunButton.PAUSE]
+        is_held = run.status in (RunStatus.PAUSED, RunStatus.FAILED)
+        label = "Go on" if is_held else "Pause"
+        if pause.label != label:
+            pause.label = label
+            pause.icon = viser.Icon.PLAYER_PLAY if is_held else viser.Icon.PLAYER_PAUSE
+        self._decide_by.disabled = not view.can_choose_decide_by
+        if view.can_choose_decide_by:
+            self._decide_by.value = run.decide_by.value
+        self._progress.value = 100 * _progress(run)
+        self._question.visible = self._replace.visible = self._keep.visible = (
+            view.overwrite is not None
+        )
+        if view.overwrite is not None:
+            self._question.content = (
+                f'<div class="ao"><p>There is a file {html.esc(view.overwrite.name)} already. '
+                "Replace it?</p></div>"
+            )
+        shown = (view.status, view.is_error, run.n_steps, run.steps_per_s, run.eta_s, run.run_id)
+        if shown != self._shown:
+            self._shown = shown
+            self._status.content = _status(view)
+
+
+def _progress(run: RunUpdate) -> float:
+    if run.total_steps <= 0:
+        return 0.0
+    return min(1.0, max(0.0, (run.n_steps - run.first_step) / run.total_steps))
+
+
+def _status(view: View) -> str:
+    run = view.run
+    kind = ' class="ao-error"' if view.is_error else ""
+    lines = [f"<p{kind} role='status'>{html.esc(view.status)}</p>"]
+    if run.spec is not None and run.status not in (RunStatus.IDLE, RunStatus.PREPARING):
+        done, planned = run.n_steps - run.first_step, run.total_steps
+        facts = [f"{html.esc(run.spec.env_id)}, {done:,} of {count(planned, 'step')}"]
+        if run.status is RunStatus.RUNNING and run.steps_per_s > 0:
+            facts.append(f"{number(run.steps_per_s)} steps/s")
+            if run.eta_s is not None:
+                facts.append(f"{_duration(run.eta_s)} to go")
+        if len(run.history):
+            facts.append(f"{count(len(run.history), 'episode')}")
+        lines.append(f'<p class="ao-dim ao-run">{" · ".join(facts)}</p>')
+    return f'<div class="ao">{"".join(lines)}</div>'
+
+
+def _duration(seconds: float) -> str:
+    if seconds < 90:
+        return f"{max(1, round(seconds))} s"
+    if seconds < 5400:
+        return f"{round(seconds / 60)} min"
+    return f"{seconds / 3600:.1f} h"

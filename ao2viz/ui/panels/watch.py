@@ -1,0 +1,117 @@
+"""The left dock: what is watched, its picture, the transport, the decision and its path."""
+
+import numpy as np
+import viser
+
+from ao2viz.ui import html
+from ao2viz.ui.commands import (
+    ChooseEpisode,
+    ChooseSource,
+    Move,
+    Seek,
+    SetPlaySpeed,
+    Transport,
+)
+from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
+from ao2viz.ui.view import View
+
+LIVE = "Training, live"
+_SPEEDS = {"⅛×": 1 / 8, "¼×": 1 / 4, "½×": 1 / 2, "1×": 1.0, "2×": 2.0, "4×": 4.0, "8×": 8.0}
+_BUTTONS = (
+    (Transport.FIRST, "First", viser.Icon.PLAYER_SKIP_BACK, "Q"),
+    (Transport.BACK, "Back", viser.Icon.PLAYER_TRACK_PREV, "A"),
+    (Transport.PLAY, "Play", viser.Icon.PLAYER_PLAY, "P"),
+    (Transport.FORWARD, "Forward", viser.Icon.PLAYER_TRACK_NEXT, "D"),
+    (Transport.LAST, "Last", viser.Icon.PLAYER_SKIP_FORWARD, "E"),
+)
+_NO_EPISODE = "none recorded"
+_BLANK = np.full((400, 600, 3), (26, 29, 36), np.uint8)  # As big as most pictures: no jump.
+
+
+class WatchPanel:
+    """One browser's place in what happened."""
+
+    def __init__(self, gui: viser.GuiApi, client_id: int, inbox: Inbox) -> None:
+        self._shelf: dict[str, ChooseSource] = {}
+        self._episodes: tuple[str, ...] = ()
+        self._said: tuple[object, ...] = ()
+        self._source = gui.add_dropdown("Watch", (LIVE,))
+        on_change(self._source, self._to_source, client_id, inbox)
+        self._episode = gui.add_dropdown("Episode", (_NO_EPISODE,))
+        on_change(self._episode, self._to_episode, client_id, inbox)
+        self._image = gui.add_image(_BLANK, format="jpeg")
+        gui.add_html(html.row(5))
+        self._buttons: dict[Transport, viser.GuiButtonHandle] = {}
+        self._keys: list[viser.CommandHandle] = []
+        for to, label, icon, key in _BUTTONS:
+            self._buttons[to] = button = gui.add_button(label, icon=icon, color="gray")
+            on_click(button, Move(to), client_id, inbox)
+            command = gui.add_command(f"Replay: {to.value}", hotkey=key, icon=icon)
+            on_trigger(command, Move(to), client_id, inbox)
+            self._keys.append(command)
+        self._slider = gui.add_slider("Step", 0, 1, 1, 0)
+        on_change(self._slider, Seek, client_id, inbox)
+        self._speed = gui.add_dropdown("Speed", tuple(_SPEEDS), initial_value="1×")
+        on_change(self._speed, lambda s: SetPlaySpeed(_SPEEDS[s]), client_id, inbox)
+        self._decision = gui.add_html("")
+        self._path = gui.add_html("")
+
+    def sync(self, view: View, frame: bytes | None, problem: str) -> None:
+        """Shows the view; `frame` is the JPEG of this moment, None keeps the last one."""
+        self._sync_choices(view)
+        transport = view.transport
+        for to, button in self._buttons.items():
+            button.disabled = not transport.is_enabled
+            if to is Transport.PLAY:
+                icon = "PLAYER_PAUSE" if transport.is_playing else "PLAYER_PLAY"
+                if button.icon != getattr(viser.Icon, icon):
+                    button.icon = getattr(viser.Icon, icon)
+                    button.label = "Pause" if transport.is_playing else "Play"
+        for key in self._keys:
+            key.disabled = not transport.is_enabled
+        self._slider.disabled = not transport.is_enabled
+        if self._slider.max != max(1, transport.last):
+            # A value outside of the range must never be on the wire.
+            self._slider.value = 0
+            self._slider.max = max(1, transport.last)
+        self._slider.value = transport.position
+        if frame is not None:
+            self._image._data = frame
+        self._sync_words(view, problem)
+
+    def _sync_choices(self, view: View) -> None:
+        labels = {item.label: ChooseSource(item.path) for item in view.shelf}
+        if view.has_run or not labels:
+            labels[LIVE] = ChooseSource(None)
+        shown = next((k for k, c in labels.items() if c.path == view.source), LIVE)
+        if labels != self._shelf:
+            self._shelf = labels
+            self._source.options = tuple(labels)
+        self._source.value = shown
+        episodes = view.episodes or (_NO_EPISODE,)
+        if episodes != self._episodes:
+            self._episodes = episodes
+            self._episode.options = episodes
+        self._episode.value = episodes[min(view.episode_index, len(episodes) - 1)]
+        self._episode.visible = view.source is not None
+        self._episode.disabled = not view.episodes
+
+    def _sync_words(self, view: View, problem: str) -> None:
+        said = (view.decision, view.notice, problem, view.forest_key, view.run.status)
+        if all(a is b or a == b for a, b in zip(said, self._said, strict=False)) and self._said:
+            return
+        self._said = said
+        if view.decision is not None and view.spec is not None:
+            self._decision.content = html.decision(view.decision, view.spec, view.forest)
+            self._path.content = html.path(view.decision, view.spec, view.forest)
+        else:
+            self._decision.content = html.notice(view.notice)
+            self._path.content = ""
+        if problem:
+            self._decision.content += html.notice(problem, is_error=True)
+
+    def _to_source(self, label: str) -> ChooseSource | None:
+        return self._shelf.get(label)
+
+    def _to_episode(self, label: str) -> ChooseEpisode | None:
+        return ChooseEpisode(self._episodes.index(label)) if label in self._episodes else None

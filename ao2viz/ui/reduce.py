@@ -1,0 +1,286 @@
+"""What a command changes in one browser's session, and what it asks of the rest; pure."""
+
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import assert_never
+
+import numpy as np
+
+from ao2viz.core.config import Preset
+from ao2viz.core.decision import NO_OPTION
+from ao2viz.recording.episode import Episode
+from ao2viz.store.saved import SavedAgent
+from ao2viz.training.states import (
+    Pause,
+    Resume,
+    RunCommand,
+    RunEpisode,
+    RunStatus,
+    Save,
+    SetDecideBy,
+    SetSpeed,
+    Start,
+    Step,
+    Stop,
+    accepts,
+)
+from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.commands import (
+    ChooseDecideBy,
+    ChooseEpisode,
+    ChooseSource,
+    Command,
+    ConfirmOverwrite,
+    Edit,
+    Field,
+    Fit,
+    FocusPath,
+    Move,
+    Pick,
+    Press,
+    RunButton,
+    Seek,
+    Select,
+    SetPlaySpeed,
+    SetTrainingSpeed,
+    TidyUp,
+    Transport,
+)
+from ao2viz.ui.session import Form, Session
+from ao2viz.ui.world import World
+
+STEPS_PER_S = 10.0
+"""How fast a recorded episode plays at speed 1."""
+
+_FILE_NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9._ -]{0,78}[A-Za-z0-9])?")
+
+
+@dataclass(frozen=True)
+class Notify:
+    """Tells the person something that has no place of its own on the screen."""
+
+    title: str
+    body: str
+    is_error: bool = False
+
+
+@dataclass(frozen=True)
+class PickOption:
+    """Asks which option a ray hits; the scene knows where they stand."""
+
+    pick: Pick
+
+
+Effect = RunCommand | Notify | PickOption
+Result = tuple[Session, tuple[Effect, ...]]
+
+
+def reduce(session: Session, command: Command, world: World) -> Result:
+    """The session after a command, and what has to happen outside of it."""
+    match command:
+        case Move(to):
+            return _move(session, to, world), ()
+        case Seek(step):
+            last = _last_position(session, world)
+            held = float(np.clip(step, 0, last))
+            return replace(session, position=held, is_playing=False), ()
+        case SetPlaySpeed(factor):
+            return replace(session, play_speed=factor), ()
+        case ChooseSource(path):
+            return _watch(session, path, world), ()
+        case ChooseEpisode(index):
+            return replace(session, episode=index, position=0.0, is_playing=True), ()
+        case Pick():
+            return session, (PickOption(command),)
+        case Select(option):
+            return _select(session, option, world)
+        case Fit():
+            return replace(session, fits=session.fits + 1), ()
+        case FocusPath():
+            return replace(session, focuses=session.focuses + 1), ()
+        case TidyUp():
+            return replace(session, tidies=session.tidies + 1, fits=session.fits + 1), ()
+        case Edit(field, value):
+            return replace(session, form=_fill_in(session.form, field, value)), ()
+        case Press(button):
+            return _press(session, button, world)
+        case ConfirmOverwrite(is_yes):
+            return _answer(session, is_yes)
+        case SetTrainingSpeed(steps_per_s):
+            return session, (SetSpeed(steps_per_s),)
+        case ChooseDecideBy(decide_by):
+            return session, (SetDecideBy(decide_by),)
+        case _:
+            assert_never(command)
+
+
+def advance(session: Session, world: World, seconds: float) -> Session:
+    """Lets a playing episode go on; at its end it stays and stops."""
+    if not session.is_playing or episode_of(session, world) is None:
+        return session
+    last = _last_position(session, world)
+    position = session.position + seconds * STEPS_PER_S * session.play_speed
+    if position >= last:
+        return replace(session, position=float(last), is_playing=False)
+    return replace(session, position=position)
+
+
+def follow(session: Session, before: RunUpdate, now: RunUpdate) -> Session:
+    """Keeps a browser that watches the run at its latest step."""
+    if session.source is not None or now.episode is before.episode:
+        return session
+    latest = max(0, len(now.episode) - 1) if now.episode is not None else 0
+    return replace(session, position=float(latest), is_playing=False)
+
+
+def agent_of(session: Session, world: World) -> SavedAgent | None:
+    """The saved agent that is watched, once it is open."""
+    opened = world.opened.get(session.source) if session.source is not None else None
+    return opened if isinstance(opened, SavedAgent) else None
+
+
+def episode_of(session: Session, world: World) -> Episode | None:
+    """The episode that the transport moves through; None while there is none."""
+    if session.source is None:
+        return world.update.episode
+    agent = agent_of(session, world)
+    if agent is None or not agent.episodes:
+        return None
+    return agent.episodes[min(session.episode, len(agent.episodes) - 1)]
+
+
+def _last_position(session: Session, world: World) -> int:
+    """One past the last step: there the episode's end is shown."""
+    episode = episode_of(session, world)
+    return 0 if episode is None else len(episode)
+
+
+def _move(session: Session, to: Transport, world: World) -> Session:
+    last, at = _last_position(session, world), int(session.position)
+    match to:
+        case Transport.FIRST:
+            return replace(session, position=0.0, is_playing=False)
+        case Transport.BACK:
+            return replace(session, position=float(max(0, at - 1)), is_playing=False)
+        case Transport.FORWARD:
+            return replace(session, position=float(min(last, at + 1)), is_playing=False)
+        case Transport.LAST:
+            return replace(session, position=float(last), is_playing=False)
+        case Transport.PLAY:
+            again = session.position >= last and not session.is_playing
+            position = 0.0 if again else session.position
+            return replace(session, position=position, is_playing=not session.is_playing)
+        case _:
+            assert_never(to)
+
+
+def _watch(session: Session, path: Path | None, world: World) -> Session:
+    if path == session.source:
+        return session
+    session = replace(
+        session,
+        source=path,
+        episode=0,
+        position=0.0,
+        is_playing=path is not None,
+        selected=NO_OPTION,
+        fits=session.fits + 1,
+    )
+    if path is None and world.update.episode is not None:
+        return replace(session, position=float(max(0, len(world.update.episode) - 1)))
+    return session
+
+
+def _select(session: Session, option: int, world: World) -> Result:
+    if option == NO_OPTION:
+        return replace(session, selected=NO_OPTION), ()
+    agent = agent_of(session, world)
+    forest = world.update.forest if session.source is None else agent and agent.forest_view()
+    if not forest or not 0 <= option < len(forest.parents) or not forest.is_alive[option]:
+        return session, (Notify("No such option", f"There is no option {option} here."),)
+    return replace(session, selected=option), ()
+
+
+def _fill_in(form: Form, field: Field, value: str | int) -> Form:
+    match field:
+        case Field.ENV:
+            return replace(form, env=str(value))
+        case Field.CUSTOM_ENV:
+            return replace(form, custom_env=str(value))
+        case Field.PRESET:
+            return replace(form, preset=Preset(value))
+        case Field.SEED:
+            return replace(form, seed=int(value))
+        case Field.STEPS:
+            return replace(form, steps=int(value))
+        case Field.FILE_NAME:
+            return replace(form, file_name=str(value))
+        case _:
+            assert_never(field)
+
+
+def run_command(button: RunButton, status: RunStatus) -> type[RunCommand]:
+    """What a button asks of the run now; the same button pauses and goes on."""
+    match button:
+        case RunButton.START:
+            return Start
+        case RunButton.PAUSE:
+            return Pause if status is RunStatus.RUNNING else Resume
+        case RunButton.STEP:
+            return Step
+        case RunButton.EPISODE:
+            return RunEpisode
+        case RunButton.STOP:
+            return Stop
+        case RunButton.SAVE:
+            return Save
+        case _:
+            assert_never(button)
+
+
+def _press(session: Session, button: RunButton, world: World) -> Result:
+    kind = run_command(button, world.update.status)
+    if not accepts(world.update.status, kind):
+        # Two browsers can press at once; the table decides and the second one is told.
+        what = f"“{button.value}” does not fit: the run is {world.update.status.value}."
+        return session, (Notify("Not now", what),)
+    if kind is Save:
+        return _save(session, world)
+    if kind is not Start:
+        return session, (kind(),)  # pyright: ignore[reportCallIssue]
+    problem = _what_is_missing(session.form)
+    if problem:
+        return session, (Notify("Cannot start", problem, is_error=True),)
+    form = session.form
+    start = Start(form.env_id, form.preset, form.seed, form.steps)
+    return _watch(session, None, world), (start,)
+
+
+def _what_is_missing(form: Form) -> str:
+    if not form.env_id:
+        return "Type the Gymnasium id of an environment first, for example LunarLander-v3."
+    if ":" in form.env_id:
+        # "module:Env" would import code by a name that any browser may send.
+        return "An id with a colon imports code; start such an environment from the terminal."
+    return ""
+
+
+def _save(session: Session, world: World) -> Result:
+    name = session.form.file_name.strip().removesuffix(".ao2")
+    if not _FILE_NAME.fullmatch(name):
+        body = (
+            "A file name is up to 80 letters, digits, spaces, dots, dashes and underscores; "
+            "it begins and ends with a letter or a digit."
+        )
+        return session, (Notify("Cannot save", body, is_error=True),)
+    path = world.folder / f"{name}.ao2"
+    if path.exists():
+        return replace(session, overwrite=path), ()
+    return session, (Save(path),)
+
+
+def _answer(session: Session, is_yes: bool) -> Result:
+    path = session.overwrite
+    session = replace(session, overwrite=None)
+    return session, ((Save(path),) if is_yes and path is not None else ())

@@ -1,0 +1,246 @@
+"""Who may talk to the dashboard, and what they may say.
+
+Viser trusts whoever connects. Here that trust is taken back at the two places that everything
+passes: the handshake of each connection, and the door for incoming messages. Both are private to
+viser, so `tests/ui/test_security.py` tells loudly if a new version moves them.
+"""
+
+import contextlib
+import hmac
+import http
+import io
+import logging
+import math
+import secrets
+import threading
+from collections.abc import Callable, Iterator
+from http.cookies import CookieError, SimpleCookie
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+import viser
+import viser._messages as messages
+import viser.infra._infra as infra
+import websockets.asyncio.server
+from websockets.datastructures import Headers
+from websockets.http11 import Request, Response
+
+MAX_MESSAGE_BYTES = 1_000_000
+"""People send clicks and short texts; nothing near this."""
+MAX_TEXT = 200
+"""Characters in a text field."""
+MAX_BROWSERS = 32
+"""More at a time are turned away."""
+
+_LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
+_COOKIE = "ao2viz_token"
+# Everything a browser needs to say; the share tunnel, uploads and forms are not among it.
+_ALLOWED = (
+    messages.ViewerCameraMessage,
+    messages.GuiUpdateMessage,
+    messages.ScenePointerMessage,
+    messages.CommandTriggerMessage,
+)
+_constructing = threading.Lock()  # `serve` is swapped for the whole process while one is built.
+
+
+class Gate:
+    """Decides about a handshake from its headers alone."""
+
+    def __init__(self, host: str, token: str | None) -> None:
+        """Makes a gate.
+
+        Args:
+            host: What the server listens on.
+            token: Must be in the address if given.
+        """
+        self._is_local = host in _LOOPBACK
+        self._token = token
+
+    def refuse(self, path: str, headers: Headers, n_connected: int) -> tuple[int, str] | None:
+        """HTTP status and words if the request must be turned away, else None."""
+        is_socket = (headers.get("Upgrade") or "").lower() == "websocket"
+        try:
+            host, origin = headers["Host"], headers.get("Origin")
+        except (KeyError, LookupError):
+            return 400, "A request names its host exactly once."
+        if self._is_local and _hostname(host) not in _LOOPBACK:
+            # A page elsewhere can point its own name at this computer (DNS rebinding).
+            return 403, f"This dashboard answers to localhost only, not to {_hostname(host)!r}."
+        if is_socket and origin is None:
+            return 403, "Only browsers may connect: the request has no Origin."
+        if origin is not None and urlsplit(origin).netloc.lower() != host.lower():
+            return 403, "Refused: the request comes from another site."
+        if not self.has_token(path, headers):
+            return 403, "This dashboard needs the token of the address that ao2viz printed."
+        if is_socket and n_connected >= MAX_BROWSERS:
+            return 503, f"{MAX_BROWSERS} browsers are connected already; close one."
+        return None
+
+    def has_token(self, path: str, headers: Headers) -> bool:
+        """Whether the address or a cookie we gave carries the token, if one is asked for."""
+        if self._token is None:
+            return True
+        given = parse_qs(urlsplit(path).query).get("token", [])
+        with contextlib.suppress(CookieError):
+            for header in headers.get_all("Cookie"):
+                morsel = SimpleCookie(header).get(_COOKIE)
+                given += [morsel.value] if morsel is not None else []
+        return any(hmac.compare_digest(g.encode(), self._token.encode()) for g in given)
+
+    def welcome(self, path: str, response: Response) -> Response:
+        """Adds what keeps the page safe in the browser, and the cookie that carries the token."""
+        response.headers["X-Frame-Options"] = "DENY"
+        response.headers["X-Content-Type-Options"] = "nosniff"
+        response.headers["Referrer-Policy"] = "no-referrer"
+        if self._token is not None and "token" in parse_qs(urlsplit(path).query):
+            response.headers["Set-Cookie"] = (
+                f"{_COOKIE}={self._token}; HttpOnly; SameSite=Lax; Path=/"
+            )
+        return response
+
+
+def make_token() -> str:
+    """A token nobody guesses."""
+    return secrets.token_urlsafe(24)
+
+
+def make_server(host: str, port: int, token: str | None = None) -> viser.ViserServer:
+    """A viser server behind the gate; it prints nothing.
+
+    Raises:
+        ValueError: If it would listen to the network without a token.
+    """
+    if host not in _LOOPBACK and not token:
+        raise ValueError(
+            f"Listening on {host} opens the dashboard to the network; it needs a token for that."
+        )
+    gate = Gate(host, token)
+    with _constructing, _guarded_serve(gate), contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer(host=host, port=port, label="ao2viz", verbose=False)
+    _filter_messages(server)
+    return server
+
+
+@contextlib.contextmanager
+def _guarded_serve(gate: Gate) -> Iterator[None]:
+    """Lets servers that start meanwhile ask the gate about every handshake."""
+    serve = websockets.asyncio.server.serve
+
+    def guarded(
+        handler: Any,
+        host: str,
+        port: int,
+        *,
+        process_request: Callable[[Any, Request], Response | None],
+        **options: Any,
+    ) -> Any:
+        n_connected = 0
+
+        def ask_gate(connection: Any, request: Request) -> Response | None:
+            refusal = gate.refuse(request.path, request.headers, n_connected)
+            if refusal is not None:
+                return _plain(*refusal)
+            response = process_request(connection, request)
+            return response if response is None else gate.welcome(request.path, response)
+
+        async def counted(connection: Any) -> None:
+            nonlocal n_connected
+            n_connected += 1
+            try:
+                await handler(connection)
+            finally:
+                n_connected -= 1
+
+        options["max_size"] = MAX_MESSAGE_BYTES
+        return serve(counted, host, port, process_request=ask_gate, **options)
+
+    websockets.asyncio.server.serve = guarded
+    try:
+        yield
+    finally:
+        websockets.asyncio.server.serve = serve
+    # Refused handshakes are ordinary here; websockets would log each with a traceback.
+    logging.getLogger("websockets.server").setLevel(logging.CRITICAL)
+
+
+def _plain(status: int, text: str) -> Response:
+    body = (text + "\n").encode()
+    headers = Headers()
+    headers["Content-Type"] = "text/plain; charset=utf-8"
+    headers["Content-Length"] = str(len(body))
+    headers["Connection"] = "close"
+    return Response(status, http.HTTPStatus(status).phrase, headers, body)
+
+
+def _hostname(host: str) -> str:
+    try:
+        return (urlsplit(f"//{host}").hostname or "").lower()
+    except ValueError:
+        return ""
+
+
+def _filter_messages(server: viser.ViserServer) -> None:
+    """Puts a filter in front of the handlers of the server and of each coming browser."""
+    _guard(server._websock_server, server.gui)
+
+    @server._websock_server.on_client_connect
+    def _(connection: infra.WebsockClientConnection) -> None:
+        # Viser has registered its own handlers by now; they stay behind the filter.
+        _guard(connection, None)
+
+    @server.on_client_connect
+    async def _(client: viser.ClientHandle) -> None:
+        _guard(client.gui._websock_interface, client.gui)
+
+
+def _guard(handler: infra.WebsockMessageHandler, gui: viser.GuiApi | None) -> None:
+    """Lets through what `is_harmless`; without a GuiApi no value can be set at all."""
+    behind = type(handler)._handle_incoming_message
+
+    async def filtered(client_id: infra.ClientId, message: infra.Message) -> None:
+        if is_harmless(message, gui):
+            await behind(handler, client_id, message)
+
+    handler._handle_incoming_message = filtered
+
+
+def is_harmless(message: object, gui: viser.GuiApi | None) -> bool:
+    """Whether a browser may say this: known kinds only, and only values that a control offers."""
+    if type(message) not in _ALLOWED:
+        return False
+    if not isinstance(message, messages.GuiUpdateMessage):
+        return True
+    if gui is None or not isinstance(message.uuid, str) or set(message.updates) != {"value"}:
+        return False
+    handle = gui._gui_input_handle_from_uuid.get(message.uuid)
+    return handle is not None and is_offered(handle, message.updates["value"])
+
+
+def is_offered(handle: Any, value: object) -> bool:
+    """Whether a person could have set the control to this value."""
+    if getattr(handle, "disabled", False) or not handle.visible:
+        return False
+    match handle:
+        case viser.GuiButtonHandle():
+            return value is True
+        case viser.GuiCheckboxHandle():
+            return isinstance(value, bool)
+        case viser.GuiDropdownHandle() | viser.GuiButtonGroupHandle():
+            return isinstance(value, str) and value in handle.options
+        case viser.GuiTextHandle():
+            return isinstance(value, str) and len(value) <= MAX_TEXT
+        case viser.GuiSliderHandle() | viser.GuiNumberHandle():
+            return _is_number_for(handle, value)
+        case _:  # Uploads and all else that the dashboard does not have.
+            return False
+
+
+def _is_number_for(handle: Any, value: object) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return False
+    if isinstance(handle.value, int) and value != int(value):
+        return False
+    low = handle.min if handle.min is not None else -math.inf
+    high = handle.max if handle.max is not None else math.inf
+    return low <= value <= high

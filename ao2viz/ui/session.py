@@ -1,0 +1,44 @@
+"""What one browser chose: its place in an episode, its selection, its half-filled form."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ao2viz.core.config import Preset
+from ao2viz.core.decision import NO_OPTION
+
+OTHER_ENV = "other …"
+"""The choice in the list of environments that lets people type an id."""
+
+
+@dataclass(frozen=True)
+class Form:
+    """What a run will be started or saved with."""
+
+    env: str = "CartPole-v1"
+    custom_env: str = ""
+    preset: Preset = Preset.ANTICIPATING
+    seed: int = 0
+    steps: int = 20_000
+    file_name: str = "my-agent"
+
+    @property
+    def env_id(self) -> str:
+        """The environment meant, whichever way it was given."""
+        return self.custom_env.strip() if self.env == OTHER_ENV else self.env
+
+
+@dataclass(frozen=True)
+class Session:
+    """Everything one browser chose; the run itself belongs to all."""
+
+    source: Path | None = None  # The agent file that is watched; None: the training run.
+    episode: int = 0
+    position: float = 0.0  # In steps; its whole part is shown. Fractions carry slow playing.
+    is_playing: bool = True
+    play_speed: float = 1.0
+    selected: int = NO_OPTION
+    form: Form = field(default_factory=Form)
+    overwrite: Path | None = None  # The file that waits for a yes before it is replaced.
+    fits: int = 0  # Raised to ask for the whole forest in view.
+    focuses: int = 0  # Raised to ask for the path in view.
+    tidies: int = 0  # Raised to ask for a fresh arrangement.

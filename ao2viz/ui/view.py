@@ -1,0 +1,185 @@
+"""What one browser shows at one moment, worked out from its session and the world; pure."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ao2viz.core.decision import Decision
+from ao2viz.core.forest import ForestView
+from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.words import count, number
+from ao2viz.recording.episode import Episode
+from ao2viz.training.states import RunStatus, SetDecideBy, accepts
+from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.commands import RunButton
+from ao2viz.ui.reduce import agent_of, episode_of, run_command
+from ao2viz.ui.session import Form, Session
+from ao2viz.ui.world import LoadFailure, ShelfItem, World
+
+ForestKey = tuple[str, str, int]
+"""Tells forests apart: where it comes from, and how often it was tidied up."""
+
+
+@dataclass(frozen=True)
+class Transport:
+    """The state of the transport."""
+
+    position: int = 0
+    last: int = 0
+    is_playing: bool = False
+    is_enabled: bool = False
+    speed: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class View:
+    """Everything one browser shows."""
+
+    shelf: tuple[ShelfItem, ...]
+    has_run: bool  # There is a training run to watch.
+    source: Path | None
+    episodes: tuple[str, ...]  # A label for each recorded episode.
+    episode_index: int
+    spec: TaskSpec | None
+    forest: ForestView | None
+    forest_key: ForestKey
+    is_live: bool  # The forest may still grow.
+    decision: Decision | None
+    observation: NDArray[np.float64] | None  # What is seen at this moment.
+    episode: Episode | None
+    frame: bytes | None  # The run's own picture; None: take the episode's.
+    notice: str  # Said in place of a sentence while there is no decision.
+    transport: Transport
+    selected: int
+    run: RunUpdate
+    enabled: frozenset[RunButton]
+    can_choose_decide_by: bool
+    status: str
+    is_error: bool
+    form: Form
+    env_ids: tuple[str, ...]
+    overwrite: Path | None
+    history: NDArray[np.float64]
+    fits: int
+    focuses: int
+
+
+def project(session: Session, world: World) -> View:
+    """Works out what a browser shows."""
+    update = world.update
+    is_run = session.source is None
+    agent = agent_of(session, world)
+    episode = episode_of(session, world)
+    is_moving = is_run and update.status in (RunStatus.RUNNING, RunStatus.PREPARING)
+    if is_moving:
+        episode = None
+    last = len(episode) if episode is not None else 0
+    position = min(int(session.position), last)
+    if episode is None:
+        decision = update.decision if is_run else None
+        observation = decision.observation if decision is not None else None
+    else:
+        decision = episode.decisions[position] if position < last else None
+        observation = episode.observations[position]
+    forest = update.forest if is_run else (agent.forest_view() if agent else None)
+    origin = ("run", str(update.run_id)) if is_run else ("file", str(session.source))
+    return View(
+        shelf=world.shelf,
+        has_run=update.status is not RunStatus.IDLE or is_run,
+        source=session.source,
+        episodes=_episode_labels(agent.episodes if agent else ()),
+        episode_index=session.episode,
+        spec=update.spec if is_run else (agent.spec if agent else None),
+        forest=forest,
+        forest_key=(*origin, session.tidies),
+        is_live=is_run,
+        decision=decision,
+        observation=observation,
+        episode=episode,
+        frame=update.frame if is_run and episode is None else None,
+        notice=_notice(session, world, episode, position),
+        transport=Transport(
+            position, last, session.is_playing, episode is not None, session.play_speed
+        ),
+        selected=session.selected,
+        run=update,
+        enabled=_enabled(update.status),
+        can_choose_decide_by=accepts(update.status, SetDecideBy),
+        status=_status(update),
+        is_error=update.is_error,
+        form=session.form,
+        env_ids=world.env_ids,
+        overwrite=session.overwrite,
+        history=update.history if is_run else (agent.history if agent else np.empty((0, 4))),
+        fits=session.fits,
+        focuses=session.focuses,
+    )
+
+
+def _enabled(status: RunStatus) -> frozenset[RunButton]:
+    return frozenset(b for b in RunButton if accepts(status, run_command(b, status)))
+
+
+def _episode_labels(episodes: tuple[Episode, ...]) -> tuple[str, ...]:
+    return tuple(
+        f"{i + 1}: return {number(e.total_reward)}, {count(len(e), 'step')}"
+        f"{', while learning' if e.is_training else ''}"
+        for i, e in enumerate(episodes)
+    )
+
+
+def _notice(session: Session, world: World, episode: Episode | None, position: int) -> str:
+    """What to say where there is no decision to explain."""
+    update = world.update
+    if episode is not None and position == len(episode):
+        return _ending(episode)
+    if session.source is not None:
+        opened = world.opened.get(session.source)
+        if isinstance(opened, LoadFailure):
+            return opened.message
+        if opened is None:
+            return f"Opening {session.source.name} …"
+        if not opened.episodes:
+            return "This agent has no recorded episodes. Its forest can be explored all the same."
+        return ""
+    match update.status:
+        case RunStatus.IDLE:
+            return "Nothing is being trained. Press Start on the right to grow a new forest."
+        case RunStatus.PREPARING:
+            return (
+                "Getting ready: making the environment and compiling the agent. The first time on "
+                "a computer this takes up to a minute."
+            )
+        case RunStatus.FAILED:
+            return update.message
+        case _:
+            return "" if update.decision is not None else "Waiting for the first decision …"
+
+
+def _ending(episode: Episode) -> str:
+    total = f"{count(len(episode), 'step')}, return {number(episode.total_reward)}."
+    if episode.terminated:
+        return f"End of the episode: the task itself ended. {total}"
+    if episode.truncated:
+        return f"End of the episode: its time limit was reached. {total}"
+    return f"The latest step; the episode is still under way. {total}"
+
+
+def _status(update: RunUpdate) -> str:
+    """One line about the run."""
+    match update.status:
+        case RunStatus.IDLE:
+            text = "No run yet."
+        case RunStatus.PREPARING:
+            text = "Getting ready …"
+        case RunStatus.RUNNING:
+            text = "Training."
+        case RunStatus.PAUSED:
+            text = "Paused."
+        case RunStatus.FINISHED:
+            text = "Finished."
+        case RunStatus.FAILED:
+            text = "Stopped by an error."
+    return f"{text} {update.message}".strip()

@@ -1,0 +1,34 @@
+"""What all browsers share and may only read: the shelf of agents, what was opened, the run."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ao2viz.store.saved import SavedAgent
+from ao2viz.training.updates import RunUpdate
+
+
+@dataclass(frozen=True)
+class ShelfItem:
+    """An agent file that can be watched."""
+
+    path: Path
+    label: str  # Unique on the shelf.
+
+
+@dataclass(frozen=True)
+class LoadFailure:
+    """Why a file could not be opened."""
+
+    message: str
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """One moment of everything that is shared."""
+
+    shelf: tuple[ShelfItem, ...] = ()
+    opened: Mapping[Path, SavedAgent | LoadFailure] = field(default_factory=dict)  # Rest: loading.
+    update: RunUpdate = field(default_factory=RunUpdate)
+    folder: Path = field(default_factory=Path.cwd)  # Where agents are saved.
+    env_ids: tuple[str, ...] = ()  # Offered for training.
