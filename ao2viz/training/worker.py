@@ -135,11 +135,7 @@ class Worker:
             if self._status is RunStatus.RUNNING:
                 return self._train(budget_s)
             if self._status is RunStatus.PAUSED and self._single_steps:
-                self._single_steps -= 1
-                self._take_step()
-                self.changes += 1
-                if self._is_done:
-                    self._finish()
+                self._take_single_step()
                 return 0.0
         except Exception as error:
             self._fail(error)
@@ -244,6 +240,14 @@ class Worker:
             return 0.0
         self._finish()
         return None
+
+    def _take_single_step(self) -> None:
+        self._single_steps -= 1
+        if not self._is_done:  # It is if the pause came while the last step was settling.
+            self._take_step()
+            self.changes += 1
+        if self._is_done:
+            self._finish()
 
     def _take_step(self) -> bool:
         """Whether the episode ended with it."""
