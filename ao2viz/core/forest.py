@@ -27,7 +27,7 @@ class ForestView:
     parents: NDArray[np.int64]  # [N] option ids, NO_OPTION at a root.
     depths: NDArray[np.int64]  # [N] 0 at a root.
     weights: NDArray[np.float64]  # [N, A] what each action is expected to earn.
-    visits: NDArray[np.int64]  # [N, A] how often each action was tried.
+    visits: NDArray[np.int64]  # [N, A] experiences that each weight rests on.
     born: NDArray[np.int64]  # [N] the agent's step at which the option was made.
     is_alive: NDArray[np.bool_]  # [N] False once cleansed; ids are never reused.
     links: NDArray[np.int64]  # [L, 2] extra (parent, child) pairs beside the tree.

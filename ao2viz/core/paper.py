@@ -70,7 +70,6 @@ class PaperLearner:
         """Reforms the structure, then applies the reward; see `Learner`."""
         self.n_steps += 1
         selected = int(decision.voters[0])
-        self._forest.columns.visits[selected, decision.action] += 1
         if self.config.failure_only:
             reward = -1.0 if terminated else 0.0
         self._trace.append((selected, decision.action, reward))
@@ -162,6 +161,8 @@ class PaperLearner:
         trace, config = self._trace, self.config
         if config.credit is Credit.ACCUMULATE:
             credit = reward
+            newest, chosen, _ = trace[-1]
+            self._forest.columns.visits[newest, chosen] += 1
             for option, action, _ in reversed(trace):
                 self._forest.columns.weights[option, action] += credit
                 credit *= config.gamma
@@ -186,5 +187,7 @@ class PaperLearner:
             earned = reward + self.config.gamma * earned
         option, action, _ = self._trace[0]
         columns = self._forest.columns
+        # Counted here, so that the first return sets the weight instead of being mixed with 0.
+        columns.visits[option, action] += 1
         rate = max(self.config.step_size, 1.0 / columns.visits[option, action])
         columns.weights[option, action] += rate * (earned - columns.weights[option, action])
