@@ -89,8 +89,10 @@ def _cannot_make(env_id: str, error: Exception) -> str:
 
 
 def _draw_without_a_screen() -> None:
-    """Lets pygame draw into memory on machines without a display or sound."""
+    """Lets pygame draw into memory, quietly, on machines without a display or sound too."""
     os.environ.setdefault("PYGAME_HIDE_SUPPORT_PROMPT", "1")
+    # Else SDL swallows SIGTERM, and a process that has drawn once can only be killed.
+    os.environ.setdefault("SDL_NO_SIGNAL_HANDLERS", "1")
     if sys.platform.startswith("linux") and not (
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):

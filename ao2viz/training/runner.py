@@ -132,7 +132,7 @@ class ProcessRunner:
 
     def submit(self, command: RunCommand) -> None:
         """See `Runner`."""
-        if not self._process.is_alive():
+        if self._has_ended.is_set():
             if not isinstance(command, Start):
                 self._update = _failed(self._update, _GONE)
                 return
@@ -148,15 +148,11 @@ class ProcessRunner:
         """See `Runner`."""
         self._is_closing = True
         self._outgoing.put(None)
-        self._process.join(_CLOSING_S)
-        for end in (self._process.terminate, self._process.kill):
-            if self._process.is_alive():
-                end()
-                self._process.join(_CLOSING_S)
         self._let_go()
 
     def _spawn(self) -> None:
         context = multiprocessing.get_context("spawn")
+        self._has_ended = threading.Event()  # Set once the pipe says so; the process lags behind.
         self._pipe, theirs = context.Pipe()
         self._process = context.Process(
             target=_work_in_process,
@@ -176,7 +172,12 @@ class ProcessRunner:
             thread.start()
 
     def _let_go(self) -> None:
-        """Cleans up after a process that has ended."""
+        """Waits until the process has ended, makes it end if need be, and cleans up after it."""
+        self._process.join(_CLOSING_S)
+        for end in (self._process.terminate, self._process.kill):
+            if self._process.is_alive():
+                end()
+                self._process.join(_CLOSING_S)
         self._outgoing.put(None)
         for thread in self._threads:
             thread.join(_CLOSING_S)
@@ -193,6 +194,7 @@ class ProcessRunner:
                 self._update = update
                 outgoing.put(_NEXT)
         except (EOFError, OSError):
+            self._has_ended.set()
             if not self._is_closing:
                 self._update = _failed(self._update, _GONE)
 

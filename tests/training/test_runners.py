@@ -63,8 +63,9 @@ def test_the_same_forest_wherever_it_grows_and_however_it_is_held(make, kind, pr
     for n in range(1, 4):
         runner.submit(Step())
         wait_until(runner, lambda update, n=n: update.n_steps == held.n_steps + n)
+    ended = len(runner.latest().history)  # A single step may have been the last of an episode.
     runner.submit(RunEpisode())
-    wait_until(runner, lambda update: len(update.history) == len(held.history) + 1)
+    wait_until(runner, lambda update: len(update.history) == ended + 1)
     assert wait_for(runner, RunStatus.PAUSED).episode.decisions
     runner.submit(Resume())
     assert_learned_alike(wait_for(runner, RunStatus.FINISHED), agent)
@@ -82,17 +83,17 @@ def test_a_reader_that_never_looks_holds_nothing_up(make, kind):
 def test_a_reader_that_is_frozen_holds_nothing_up(tmp_path):
     """A stopped reader reads nothing at all; training goes on and saves, as told before."""
     code = (
-        "import json, os, signal\n"
+        "import json, os, signal, time\n"
         "from pathlib import Path\n"
         "from ao2viz.training.runner import ProcessRunner\n"
         "from ao2viz.training.states import *\n"
         "if __name__ == '__main__':\n"
         "    runner = ProcessRunner()\n"
         "    runner.submit(Start('CartPole-v1', total_steps=3000))\n"
-        "    while runner.latest().status is not RunStatus.RUNNING: pass\n"
+        "    while runner.latest().status is not RunStatus.RUNNING: time.sleep(0.01)\n"
         "    print(runner.pid, flush=True)\n"
         "    os.kill(os.getpid(), signal.SIGSTOP)\n"
-        "    while (update := runner.latest()).status is RunStatus.RUNNING: pass\n"
+        "    while (update := runner.latest()).status is RunStatus.RUNNING: time.sleep(0.01)\n"
         "    print(json.dumps([update.status.value, update.n_steps]), flush=True)\n"
         "    signal.pause()\n"
     )
@@ -215,13 +216,15 @@ def test_closing_ends_the_process_even_at_work(make):
 @pytest.mark.parametrize("ending", ["raise SystemExit", "import os; os.kill(os.getpid(), 9)"])
 def test_the_process_never_outlives_the_one_that_started_it(tmp_path, ending):
     script = tmp_path / "leaver.py"
+    # Waits for a picture: the library that draws would swallow the signal that ends the process.
     script.write_text(
+        "import time\n"
         "from ao2viz.training.runner import ProcessRunner\n"
         "from ao2viz.training.states import *\n"
         "if __name__ == '__main__':\n"
         "    runner = ProcessRunner()\n"
         "    runner.submit(Start('CartPole-v1', total_steps=10**6))\n"
-        "    while runner.latest().status is not RunStatus.RUNNING: pass\n"
+        "    while runner.latest().frame is None: time.sleep(0.01)\n"
         "    print(runner.pid, flush=True)\n"
         f"    {ending}\n"
     )
