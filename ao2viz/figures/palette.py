@@ -19,7 +19,7 @@ UNTRIED: Rgb = (92, 101, 114)
 """An option that has not tried any action prefers none."""
 PATH: Rgb = (255, 74, 178)
 """The path of a decision; no colouring of options comes near this pink."""
-EDGE: Rgb = (58, 66, 80)
+EDGE: Rgb = (70, 80, 98)
 SELECTED: Rgb = (255, 255, 255)
 CANVAS: Rgb = (17, 20, 26)
 

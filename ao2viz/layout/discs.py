@@ -1,8 +1,8 @@
 """A forest as packed discs: one disc a schema, its root in the middle, the biggest in the centre.
 
 `lay_out(view)` arranges a whole forest afresh; `lay_out(view, previous)` keeps every option where
-it was and finds room for the new ones. Units are arbitrary: no two options are closer than
-`SPACING` in either case.
+it was and finds room for the new ones; `has_regrown` says when the first is the better choice.
+Units are arbitrary: no two options are closer than `SPACING` in either case.
 """
 
 from dataclasses import dataclass
@@ -18,6 +18,7 @@ from ao2viz.layout.radial import SPACING, arrange_discs
 
 _RIM = 1.2  # From the outermost option to the edge of its disc.
 _BETWEEN = 1.6  # From the edge of a disc to the next.
+_REGROWN = 0.25  # Share of the options with new parents.
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,13 +42,14 @@ EMPTY = Layout(np.empty((0, 2)), np.empty(0, np.int64), np.empty((0, 2)), np.emp
 """Nothing laid out yet: growing from here leaves room between schemas."""
 
 
-def lay_out(view: ForestView, previous: Layout | None = None) -> Layout:
+def lay_out(view: ForestView, previous: Layout | None = None, room: float = 1.0) -> Layout:
     """Places every living option; those of `previous` stay exactly where they are.
 
-    Without `previous` everything is arranged afresh, as compactly as can be.
+    Without `previous` everything is arranged afresh: as compactly as can be, or with `room` (at
+    least 1) times as many places as there are options, so that a forest can grow in its form.
     """
     if previous is None:
-        return _arrange(view)
+        return _arrange(view, room)
     positions = np.full((len(view.parents), 2), np.nan)
     kept = min(len(previous.positions), len(positions))
     positions[:kept] = previous.positions[:kept]
@@ -61,6 +63,17 @@ def lay_out(view: ForestView, previous: Layout | None = None) -> Layout:
     return _finish(view, positions)
 
 
+def has_regrown(before: ForestView, now: ForestView) -> bool:
+    """Whether so many options got other parents at once that the old picture means little.
+
+    A change of attention rebuilds the forest from its options; growth and cleansing do not.
+    """
+    n = min(len(before.parents), len(now.parents))
+    both = before.is_alive[:n] & now.is_alive[:n]
+    moved = both & (before.parents[:n] != now.parents[:n])
+    return bool(moved.sum() > _REGROWN * both.sum())
+
+
 def schemas_of(view: ForestView) -> NDArray[np.int64]:
     """[N] the root of each option; NO_OPTION once cleansed."""
     schemas = np.where(view.is_alive, np.arange(len(view.parents)), NO_OPTION)
@@ -70,7 +83,7 @@ def schemas_of(view: ForestView) -> NDArray[np.int64]:
     return schemas
 
 
-def _arrange(view: ForestView) -> Layout:
+def _arrange(view: ForestView, room: float) -> Layout:
     positions = np.full((len(view.parents), 2), np.nan)
     alive = np.flatnonzero(view.is_alive)
     if len(alive) == 0:
@@ -78,8 +91,9 @@ def _arrange(view: ForestView) -> Layout:
     roots, schemas = np.unique(schemas_of(view)[alive], return_inverse=True)
     row_of = np.full(len(view.parents) + 1, NO_OPTION)  # The last cell answers for NO_OPTION.
     row_of[alive] = np.arange(len(alive))
-    offsets, radii = arrange_discs(row_of[view.parents[alive]], view.depths[alive], schemas)
-    padded = radii + _RIM + _BETWEEN / 2
+    offsets, radii = arrange_discs(row_of[view.parents[alive]], view.depths[alive], schemas, room)
+    # A schema of one option may become one of many; give even small ones room for a first ring.
+    padded = radii + _RIM + (_BETWEEN if room == 1 else 3 * _BETWEEN * room) / 2
     biggest_first = np.argsort(-padded, kind="stable")
     centres = np.empty((len(roots), 2))
     centres[biggest_first] = pack_circles(padded[biggest_first])

@@ -20,17 +20,20 @@ def arrange_discs(
     parents: NDArray[np.int64],
     depths: NDArray[np.int64],
     schemas: NDArray[np.int64],
+    room: float = 1.0,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Offsets [M, 2] from each option's root, and the radius [S] of each schema's disc.
 
     Rows are the living options; `parents` holds rows (-1 at a root), `schemas` numbers the trees
-    from 0. Every subtree would like its own interval of angles, as wide as its share of leaves;
-    within a depth options are then pushed apart just enough, keeping their order, so edges of one
-    depth never cross. A crowded depth gets several rings, which its options take in turn.
+    from 0, `room` is how many times more places there are than options need.
+
+    Every subtree would like its own interval of angles, as wide as its share of leaves; within a
+    depth options are then pushed apart just enough, keeping their order, so edges of one depth
+    never cross. A crowded depth gets several rings, which its options take in turn.
     """
     n_schemas = int(schemas.max()) + 1
     by_depth = [np.flatnonzero(depths == d) for d in range(int(depths.max()) + 1)]
-    inner, rings = _plan_bands(depths, schemas, n_schemas)
+    inner, rings = _plan_bands(depths, schemas, n_schemas, room)
     wished = _share_angles(parents, by_depth)
     angles, radii = wished.copy(), np.zeros(len(parents))
     for depth, at_depth in enumerate(by_depth[1:], start=1):
@@ -75,7 +78,7 @@ def _share_angles(
 
 
 def _plan_bands(
-    depths: NDArray[np.int64], schemas: NDArray[np.int64], n_schemas: int
+    depths: NDArray[np.int64], schemas: NDArray[np.int64], n_schemas: int, room: float
 ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """Innermost radius and number of rings of each schema's depths, both [S, depths]."""
     n_depths = int(depths.max()) + 1
@@ -88,7 +91,7 @@ def _plan_bands(
     for depth in range(1, n_depths):
         inner[:, depth] = edge + gaps
         load = counts[:, depth] * _arc(inner[:, depth])
-        rings[:, depth] = np.maximum(1, np.ceil(load / (2 * np.pi * _FILL)))
+        rings[:, depth] = np.maximum(1, np.ceil(room * load / (2 * np.pi * _FILL)))
         edge = inner[:, depth] + (rings[:, depth] - 1) * _RING_GAP
     return inner, rings
 

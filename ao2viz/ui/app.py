@@ -15,7 +15,7 @@ from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.envs.catalogue import CATALOGUE
 from ao2viz.training.runner import ProcessRunner, Runner
-from ao2viz.training.states import RunStatus
+from ao2viz.training.states import RunStatus, Start
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.browser import Browser
 from ao2viz.ui.commands import Connect, Disconnect, Select
@@ -80,6 +80,7 @@ class Dashboard:
         self._server: viser.ViserServer | None = None
         self._stage: Stage | None = None
         self._runner: Runner | None = None
+        self._outdated: RunUpdate | None = None
         self._loop: threading.Thread | None = None
 
     @property
@@ -172,6 +173,8 @@ class Dashboard:
     def _refresh_world(self, now: float) -> None:
         before = self._world.update
         update = self._runner.latest() if self._runner is not None else before
+        if update is self._outdated:  # The run has not answered its Start yet.
+            update = before
         if update is not before:
             for client_id, session in self._sessions.items():
                 self._sessions[client_id] = follow(session, before, update)
@@ -231,6 +234,10 @@ class Dashboard:
             case _:
                 if self._runner is None:  # Made when first needed: a page opens sooner without.
                     self._runner = self._make_runner()
+                if isinstance(effect, Start):
+                    self._outdated = self._runner.latest()
+                    update = RunUpdate(RunStatus.PREPARING, run_id=self._outdated.run_id)
+                    self._world = replace(self._world, update=update)
                 self._runner.submit(effect)
 
     def _tell_all(self, notice: Notify) -> None:

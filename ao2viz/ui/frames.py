@@ -14,12 +14,14 @@ from ao2viz.envs.task import TaskSpec, make_env
 from ao2viz.recording.episode import Episode
 from ao2viz.training.loop import reset, step
 
-WIDTH = 560
+WIDTH = 420
 """Pixels; the picture is shown about half as wide, on screens with two pixels to a point."""
 
 _QUALITY = 82
 _KEPT_EPISODES = 6
-_PANEL = np.array([26, 29, 36], np.float32)  # The background of the dock that holds the picture.
+_PANEL = np.array([26, 29, 36])  # The background of the dock that holds the picture.
+# [3, 256] black becomes the panel's colour, white stays.
+_ONTO_PANEL = np.linspace(_PANEL, 255, 256).round().astype(np.uint8).T
 
 
 @dataclass
@@ -70,7 +72,8 @@ def encode(pixels: NDArray[np.uint8]) -> bytes:
     """A picture [height, width, 3] as a JPEG that suits the dock."""
     image = Image.fromarray(pixels)
     if image.width > WIDTH:
-        image = image.resize((WIDTH, round(image.height * WIDTH / image.width)), Image.LANCZOS)
+        size = WIDTH, round(image.height * WIDTH / image.width)
+        image = image.resize(size, Image.Resampling.BILINEAR)
     shown = np.asarray(image)
     if _is_page(shown):
         shown = _turn_dark(shown)
@@ -87,9 +90,11 @@ def _is_page(pixels: NDArray[np.uint8]) -> bool:
 
 def _turn_dark(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
     """Swaps light and dark but keeps hues: the page becomes the dock's colour."""
-    light = pixels.astype(np.float32)
-    flipped = light + 255.0 - light.max(axis=2, keepdims=True) - light.min(axis=2, keepdims=True)
-    return (_PANEL + flipped * (255.0 - _PANEL) / 255.0).round().astype(np.uint8)
+    low = np.minimum(np.minimum(pixels[..., 0], pixels[..., 1]), pixels[..., 2])
+    high = np.maximum(np.maximum(pixels[..., 0], pixels[..., 1]), pixels[..., 2])
+    shift = 255 - high.astype(np.int16) - low
+    flipped = (pixels + shift[..., None]).astype(np.uint8)
+    return _ONTO_PANEL[np.arange(3), flipped]
 
 
 def _draw_reel(reel: _Reel, spec: TaskSpec) -> None:

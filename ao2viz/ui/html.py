@@ -26,6 +26,11 @@ def row(n: int) -> str:
     return f'<span class="ao-row ao-row-{n}"></span>'
 
 
+def no_tab() -> str:
+    """Hides the tab of the panel that this stands in; see static/dashboard.css."""
+    return '<span class="ao-no-tab"></span>'
+
+
 def notice(text: str, *, is_error: bool = False) -> str:
     """A paragraph in place of content."""
     kind = "ao-error" if is_error else "ao-dim"
@@ -159,8 +164,8 @@ def legend(spec: TaskSpec | None, view: ForestView | None) -> str:
     )
     return (
         f'<div class="ao-legend"><b>{esc(spec.title)}</b>'
-        f'<div class="ao-dim">{count(len(view), "option")} in {count(roots, "schema")}, '
-        f"one disc each</div>{rows}"
+        f'<div class="ao-dim">{count(len(view), "option")} in {count(roots, "schema")} '
+        f"(discs)</div>{rows}"
         f'<div class="ao-dim">bigger: visited more often</div>'
         f'<div><span class="ao-key ao-key-path"></span>path to the most similar option</div>'
         f'<div><span class="ao-key ao-key-vote"></span>paths of other voters, by share</div>'

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,9 +11,12 @@ from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.figures.palette import UNTRIED, action_colors
-from ao2viz.layout.discs import EMPTY, Layout, lay_out
+from ao2viz.layout.discs import Layout, has_regrown, lay_out
 from ao2viz.ui.view import ForestKey
 
+_ROOM = 1.7  # A forest that grows is arranged with so many times the places it needs.
+_GLIDE_S = 0.9  # A regrown forest takes so long to rearrange itself …
+_GLIDE_LIMIT = 6_000  # … unless it is so big that sending every moment of it takes too long.
 # A growing forest is laid out again only after this many times as long as the last time took, so
 # that the screen stays quick however big the forest is.
 _REST = 5.0
@@ -29,6 +32,7 @@ class Picture:
     colors: NDArray[np.uint8]  # [N, 3]
     sizes: NDArray[np.float32]  # [N] radii.
     edges: NDArray[np.float32]  # [E, 2, 3] from parent to child.
+    edge_ends: NDArray[np.int64]  # [E, 2] their ids.
 
     def position_of(self, option: int) -> NDArray[np.float32] | None:
         """Where an option stands [3]; None if it is not drawn."""
@@ -66,6 +70,7 @@ def draw(view: ForestView, layout: Layout, spec: TaskSpec) -> Picture:
     colors = action_colors(spec.n_actions, is_ordered=spec.action_grid is not None)
     visits = view.visits[: len(drawn)].sum(axis=1)
     children = np.flatnonzero(drawn & (view.parents[: len(drawn)] != NO_OPTION))
+    parents = view.parents[children]
     return Picture(
         layout=layout,
         positions=positions,
@@ -75,8 +80,18 @@ def draw(view: ForestView, layout: Layout, spec: TaskSpec) -> Picture:
         sizes=np.where(drawn, np.clip(0.24 + 0.045 * np.log2(1 + visits), 0, 0.46), 0).astype(
             np.float32
         ),
-        edges=np.stack([positions[view.parents[children]], positions[children]], axis=1),
+        edges=np.stack([positions[parents], positions[children]], axis=1),
+        edge_ends=np.column_stack([parents, children]),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Hung:
+    """A picture, what it was drawn from, and when it may be drawn again."""
+
+    picture: Picture
+    view: ForestView
+    rest_until: float
 
 
 class Gallery:
@@ -84,32 +99,73 @@ class Gallery:
 
     def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
         self._clock = clock
-        self._pictures: dict[ForestKey, Picture] = {}
-        self._drawn_from: dict[ForestKey, ForestView] = {}
-        self._rest_until: dict[ForestKey, float] = {}
+        self._hung: dict[ForestKey, _Hung] = {}
+        self._glides: dict[ForestKey, _Glide] = {}
 
     def get(self, key: ForestKey, view: ForestView, spec: TaskSpec) -> Picture:
         """The picture of a forest as it is now, or a moment ago if it grows fast.
 
-        The run's forest grows in place; a file's, and any that was tidied up, begins compact.
+        Options of a growing forest stay where they are. Only when it regrows as a whole do they
+        glide to a fresh arrangement.
         """
-        known, drawn_from = self._pictures.get(key), self._drawn_from.get(key)
+        hung, began = self._hung.get(key), self._clock()
+        if hung is None or (hung.view is not view and began >= hung.rest_until):
+            hung = self._hang(key, view, spec, hung)
+        glide = self._glides.get(key)
+        if glide is None:
+            return hung.picture
+        if began >= glide.ends_at:
+            del self._glides[key]
+            return hung.picture
+        return _between(glide, hung.picture, began)
+
+    def _hang(
+        self, key: ForestKey, view: ForestView, spec: TaskSpec, hung: "_Hung | None"
+    ) -> "_Hung":
         began = self._clock()
-        if known is not None and (drawn_from is view or began < self._rest_until[key]):
-            return known
-        if known is not None and drawn_from is not None and drawn_from.revision == view.revision:
-            layout = known.layout
-        elif known is not None:
-            layout = lay_out(view, known.layout)
+        room = _ROOM if key[0] == "run" else 1.0
+        if hung is None:
+            layout = lay_out(view, None, room)
+        elif hung.view.revision == view.revision:
+            layout = hung.picture.layout
+        elif len(hung.picture.layout.roots) == 0 or has_regrown(hung.view, view):
+            layout = lay_out(view, None, room)
+            if 0 < len(view) <= _GLIDE_LIMIT and len(hung.picture.layout.roots):
+                self._glides[key] = _Glide(hung.picture.layout, began, began + _GLIDE_S)
         else:
-            layout = lay_out(view, EMPTY if key[0] == "run" and key[2] == 0 else None)
-        self._pictures[key], self._drawn_from[key] = draw(view, layout, spec), view
+            layout = lay_out(view, hung.picture.layout)
+        picture = draw(view, layout, spec)
         ended = self._clock()
-        self._rest_until[key] = ended + _REST * (ended - began)
-        return self._pictures[key]
+        new = self._hung[key] = _Hung(picture, view, ended + _REST * (ended - began))
+        return new
 
     def keep_only(self, keys: set[ForestKey]) -> None:
         """Forgets forests that no browser shows any more."""
-        for gone in self._pictures.keys() - keys:
-            for memory in (self._pictures, self._drawn_from, self._rest_until):
-                memory.pop(gone, None)
+        for gone in self._hung.keys() - keys:
+            del self._hung[gone]
+            self._glides.pop(gone, None)
+
+
+def _between(glide: "_Glide", picture: Picture, now: float) -> Picture:
+    """The picture part of the way from an old layout to its own."""
+    progress = (now - glide.began) / (glide.ends_at - glide.began)
+    eased = progress * progress * (3 - 2 * progress)
+    old, new = glide.start.positions, picture.layout.positions
+    both = np.flatnonzero(~np.isnan(old[: len(new), 0]) & ~np.isnan(new[: len(old), 0]))
+    positions = new.copy()
+    positions[both] = old[both] + (new[both] - old[both]) * eased
+    roots = picture.layout.roots
+    layout = replace(picture.layout, positions=positions, centres=positions[roots])
+    points = picture.positions.copy()
+    points[both, :2] = positions[both]
+    edges = np.stack([points[picture.edge_ends[:, 0]], points[picture.edge_ends[:, 1]]], axis=1)
+    return replace(picture, layout=layout, positions=points, edges=edges)
+
+
+@dataclass(frozen=True, eq=False)
+class _Glide:
+    """A move of all options from one layout to another."""
+
+    start: Layout
+    began: float
+    ends_at: float

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ao2viz.figures.palette import EDGE, PATH, SELECTED
 from ao2viz.ui.overlay import SHARE_LEVELS, Overlay
 from ao2viz.ui.picture import Picture
+from ao2viz.ui.tones import LIGHT, to_albedo
 
 CHUNK = 1_000
 """Options in one scene node: when the forest grows only the last chunk is sent again."""
@@ -36,7 +37,7 @@ def prepare(scene: viser.SceneApi) -> None:
     """Sets up what all browsers share: flat light, so that colours mean what the legend says."""
     scene.configure_default_lights(enabled=False)
     scene.configure_environment_map(None)
-    scene.add_light_ambient("/light", intensity=float(np.pi))
+    scene.add_light_ambient("/light", intensity=LIGHT)
     scene.set_up_direction("+y")
     scene.world_axes.visible = False
 
@@ -63,7 +64,9 @@ class Canvas:
         self._cores = _batch(scene, "/path/cores", _CIRCLE, _PATH_LIMIT, (0, 0, 0))
         self._ring = _batch(scene, "/selected", _RING, 1, SELECTED)
         self._labels = [
-            scene.add_label(f"/labels/{i}/{side}", "", visible=False, anchor=anchor)
+            scene.add_label(
+                f"/labels/{i}/{side}", "", visible=False, anchor=anchor, font_screen_scale=0.85
+            )
             for i in range(2)
             for side, anchor in (("left", "center-right"), ("right", "center-left"))
         ]
@@ -161,7 +164,7 @@ class Canvas:
         else:
             colors = np.zeros((_PATH_LIMIT, 3), np.uint8)
             colors[: len(points)] = overlay.path_colors[-_PATH_LIMIT:]
-            self._cores.batched_colors = colors
+            self._cores.batched_colors = to_albedo(colors)
             _place(self._voters, overlay.voters[:_VOTERS], overlay.voter_sizes[:_VOTERS], _Z_VOTER)
             self._ring.visible = overlay.selected is not None
             if overlay.selected is not None:
@@ -197,7 +200,7 @@ class _Chunk:
         colors[: len(picture.colors[self._rows])] = picture.colors[self._rows]
         self._nodes.batched_positions = positions
         self._nodes.batched_scales = sizes
-        self._nodes.batched_colors = colors
+        self._nodes.batched_colors = to_albedo(colors)
         _draw_lines(self._edges, picture.edges[self._rows], _Z_EDGE)
 
     def remove(self) -> None:
@@ -218,11 +221,12 @@ class _Camera:
         return bool(moved < 1e-3 * self.position[2])
 
     def misses(self, box: tuple[float, float, float, float], aspect: float) -> bool:
-        """Whether the window has changed its shape, or the forest its size by a tenth."""
+        """Whether the window has changed its shape, or the forest stands out of it or shrank."""
         if abs(aspect - self.aspect) > 0.01:
             return True
-        slack = 0.1 * max(self.box[1] - self.box[0], self.box[3] - self.box[2])
-        return bool(np.abs(np.subtract(box, self.box)).max() > slack)
+        size = max(self.box[1] - self.box[0], self.box[3] - self.box[2])
+        grown = np.subtract(box, self.box) * (-1, 1, -1, 1) / size  # Above 0: beyond that side.
+        return bool(grown.max() > 0.02 or grown.min() < -0.2)
 
 
 def _circle(n: int, inner: float = 0.0) -> _Mesh:
@@ -248,7 +252,7 @@ def _batch(
         np.tile(np.array([1, 0, 0, 0], np.float32), (capacity, 1)),
         np.zeros((capacity, 3), np.float32),
         batched_scales=np.zeros(capacity, np.float32),
-        batched_colors=np.tile(np.array(color, np.uint8), (capacity, 1)),
+        batched_colors=np.tile(to_albedo(np.array(color, np.uint8)), (capacity, 1)),
         lod="off",
         side="double",
         flat_shading=True,

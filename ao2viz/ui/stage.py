@@ -31,5 +31,5 @@ class Stage:
         below.set_width(_RIGHT_PX)
         over = gui.add_panel()
         self.legend = over.add_tab("Legend", viser.Icon.INFO_CIRCLE)
-        over.float(x=10, y=10, width=_LEGEND_PX)
+        over.float(x=10, y=-10, width=_LEGEND_PX)
         prepare(server.scene)

@@ -13,6 +13,7 @@ class LegendPanel:
 
     def __init__(self, gui: viser.GuiApi, client_id: int, inbox: Inbox) -> None:
         self._shown: tuple[object, object] = (None, None)
+        gui.add_html(html.no_tab())
         self._text = gui.add_html(html.legend(None, None))
         gui.add_html(html.row(3))
         for label, icon, command, key in (

@@ -12,20 +12,22 @@ from ao2viz.ui.commands import (
     SetPlaySpeed,
     Transport,
 )
+from ao2viz.ui.frames import encode
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.view import View
 
 LIVE = "Training, live"
 _SPEEDS = {"⅛×": 1 / 8, "¼×": 1 / 4, "½×": 1 / 2, "1×": 1.0, "2×": 2.0, "4×": 4.0, "8×": 8.0}
 _BUTTONS = (
-    (Transport.FIRST, "First", viser.Icon.PLAYER_SKIP_BACK, "Q"),
-    (Transport.BACK, "Back", viser.Icon.PLAYER_TRACK_PREV, "A"),
+    (Transport.FIRST, "First step", viser.Icon.PLAYER_SKIP_BACK, "Q"),
+    (Transport.BACK, "Step back", viser.Icon.PLAYER_TRACK_PREV, "A"),
     (Transport.PLAY, "Play", viser.Icon.PLAYER_PLAY, "P"),
-    (Transport.FORWARD, "Forward", viser.Icon.PLAYER_TRACK_NEXT, "D"),
-    (Transport.LAST, "Last", viser.Icon.PLAYER_SKIP_FORWARD, "E"),
+    (Transport.FORWARD, "Step forward", viser.Icon.PLAYER_TRACK_NEXT, "D"),
+    (Transport.LAST, "Last step", viser.Icon.PLAYER_SKIP_FORWARD, "E"),
 )
 _NO_EPISODE = "none recorded"
 _BLANK = np.full((400, 600, 3), (26, 29, 36), np.uint8)  # As big as most pictures: no jump.
+_BLANK_JPEG = encode(_BLANK)
 
 
 class WatchPanel:
@@ -35,12 +37,14 @@ class WatchPanel:
         self._shelf: dict[str, ChooseSource] = {}
         self._episodes: tuple[str, ...] = ()
         self._said: tuple[object, ...] = ()
+        self._pictured: tuple[str, str] = ("", "")
+        gui.add_html(html.no_tab())
         self._source = gui.add_dropdown("Watch", (LIVE,))
         on_change(self._source, self._to_source, client_id, inbox)
         self._episode = gui.add_dropdown("Episode", (_NO_EPISODE,))
         on_change(self._episode, self._to_episode, client_id, inbox)
         self._image = gui.add_image(_BLANK, format="jpeg")
-        gui.add_html(html.row(5))
+        gui.add_html(html.row(6))
         self._buttons: dict[Transport, viser.GuiButtonHandle] = {}
         self._keys: list[viser.CommandHandle] = []
         for to, label, icon, key in _BUTTONS:
@@ -49,10 +53,10 @@ class WatchPanel:
             command = gui.add_command(f"Replay: {to.value}", hotkey=key, icon=icon)
             on_trigger(command, Move(to), client_id, inbox)
             self._keys.append(command)
-        self._slider = gui.add_slider("Step", 0, 1, 1, 0)
-        on_change(self._slider, Seek, client_id, inbox)
         self._speed = gui.add_dropdown("Speed", tuple(_SPEEDS), initial_value="1×")
         on_change(self._speed, lambda s: SetPlaySpeed(_SPEEDS[s]), client_id, inbox)
+        self._slider = gui.add_slider("Step", 0, 1, 1, 0)
+        on_change(self._slider, Seek, client_id, inbox)
         self._decision = gui.add_html("")
         self._path = gui.add_html("")
 
@@ -66,7 +70,7 @@ class WatchPanel:
                 icon = "PLAYER_PAUSE" if transport.is_playing else "PLAYER_PLAY"
                 if button.icon != getattr(viser.Icon, icon):
                     button.icon = getattr(viser.Icon, icon)
-                    button.label = "Pause" if transport.is_playing else "Play"
+                    button.label = "Hold" if transport.is_playing else "Play"
         for key in self._keys:
             key.disabled = not transport.is_enabled
         self._slider.disabled = not transport.is_enabled
@@ -75,8 +79,12 @@ class WatchPanel:
             self._slider.value = 0
             self._slider.max = max(1, transport.last)
         self._slider.value = transport.position
+        pictured = view.forest_key[:2]
         if frame is not None:
             self._image._data = frame
+        elif pictured != self._pictured:
+            self._image._data = _BLANK_JPEG
+        self._pictured = pictured
         self._sync_words(view, problem)
 
     def _sync_choices(self, view: View) -> None:
