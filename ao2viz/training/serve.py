@@ -11,6 +11,8 @@ MIN_INTERVAL_S = 0.1
 """Between two updates of a run; changes that people wait for are shown at once."""
 MAX_SHARE = 0.05
 """Of the time that making updates may take from training."""
+MAX_INTERVAL_S = 1.0
+"""However much an update costs: the first picture loads a library, and must not hide the next."""
 _BUDGET_S = 0.02  # The longest that a command waits while training.
 
 Receive = Callable[[float | None], Sequence[RunCommand] | None]
@@ -31,7 +33,8 @@ class Pace:
     def note(self, began: float, ended: float) -> None:
         """Takes notice of an update that was made."""
         self._last = ended
-        self.interval_s = max(MIN_INTERVAL_S, (ended - began) / MAX_SHARE)
+        wanted = (ended - began) / MAX_SHARE
+        self.interval_s = min(MAX_INTERVAL_S, max(MIN_INTERVAL_S, wanted))
 
 
 def serve(worker: Worker, receive: Receive, publish: Callable[[RunUpdate], None]) -> None:
