@@ -3,7 +3,7 @@
 import viser
 
 from ao2viz.core.decision import NO_OPTION
-from ao2viz.ui.frames import FrameStore, on_dark
+from ao2viz.ui.frames import FrameStore, refit
 from ao2viz.ui.inbox import Inbox, on_canvas_click
 from ao2viz.ui.overlay import Overlay, overlay
 from ao2viz.ui.panels.charts import ChartsPanel
@@ -75,7 +75,7 @@ class Browser:
             if view.frame is self._raw_frame:
                 return None, ""
             self._raw_frame = view.frame
-            return on_dark(view.frame), ""
+            return refit(view.frame), ""
         self._raw_frame = None
         if view.episode is None or view.spec is None:
             return None, ""

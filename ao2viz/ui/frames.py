@@ -14,8 +14,8 @@ from ao2viz.envs.task import TaskSpec, make_env
 from ao2viz.recording.episode import Episode
 from ao2viz.training.loop import reset, step
 
-WIDTH = 420
-"""Pixels; the picture is shown about half as wide, on screens with two pixels to a point."""
+SIZE = (420, 280)
+"""Pixels; the picture is shown about 280 wide, on screens with up to two pixels to a point."""
 
 _QUALITY = 82
 _KEPT_EPISODES = 6
@@ -61,24 +61,28 @@ class FrameStore:
         self._thread.shutdown(wait=True, cancel_futures=True)
 
 
-def on_dark(jpeg: bytes) -> bytes:
-    """A picture with a white page behind it, fitted to the dark dock; others stay as they are."""
+def refit(jpeg: bytes) -> bytes:
+    """A picture that arrives as JPEG, fitted to the dock like all others."""
     with Image.open(io.BytesIO(jpeg)) as image:
-        pixels = np.asarray(image.convert("RGB"))
-    return encode(pixels) if _is_page(pixels) else jpeg
+        return encode(np.asarray(image.convert("RGB")))
 
 
 def encode(pixels: NDArray[np.uint8]) -> bytes:
-    """A picture [height, width, 3] as a JPEG that suits the dock."""
+    """A picture [height, width, 3] as a JPEG of SIZE that suits the dock.
+
+    All come out equally big, so that nothing below them moves when another one is shown.
+    """
     image = Image.fromarray(pixels)
-    if image.width > WIDTH:
-        size = WIDTH, round(image.height * WIDTH / image.width)
-        image = image.resize(size, Image.Resampling.BILINEAR)
+    scale = min(SIZE[0] / image.width, SIZE[1] / image.height)
+    fitted = round(image.width * scale), round(image.height * scale)
+    image = image.resize(fitted, Image.Resampling.BILINEAR)
     shown = np.asarray(image)
     if _is_page(shown):
-        shown = _turn_dark(shown)
+        image = Image.fromarray(_turn_dark(shown))
+    board = Image.new("RGB", SIZE, tuple(_PANEL.tolist()))
+    board.paste(image, ((SIZE[0] - fitted[0]) // 2, (SIZE[1] - fitted[1]) // 2))
     buffer = io.BytesIO()
-    Image.fromarray(shown).save(buffer, "JPEG", quality=_QUALITY)
+    board.save(buffer, "JPEG", quality=_QUALITY)
     return buffer.getvalue()
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.decision import NO_OPTION, Decision
+from ao2viz.core.decision import Decision
 from ao2viz.envs.task import TaskSpec
 from ao2viz.ui.picture import Picture
 
@@ -19,7 +19,8 @@ class Label:
 
     text: str
     position: tuple[float, float, float]
-    is_left: bool  # On the left of its option, so that two labels look away from each other.
+    is_left: bool  # On the left of its option, else on the right: towards the middle.
+    is_above: bool  # Above its option, else below: away from the other label.
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,11 +89,15 @@ def _labels(
     if len(path) == 0:
         return ()
     root, chosen = picture.positions[path[0]], picture.positions[path[-1]]
-    action = spec.action_names[decision.action]
-    is_left = bool(chosen[0] < root[0])
-    name = f"option {path[-1]} → {action}"
-    labels = [Label(name, (float(chosen[0]), float(chosen[1]), 0.5), is_left)]
-    if len(path) > 1 and path[0] != NO_OPTION:
-        spot = (float(root[0]), float(root[1]), 0.5)
-        labels.append(Label(f"root {path[0]}", spot, not is_left))
+    left, right, _, _ = picture.box
+    middle = (left + right) / 2
+    is_root_above = bool(root[1] > chosen[1])
+    name = f"option {path[-1]} → {spec.action_names[decision.action]}"
+    labels = [Label(name, _spot(chosen), bool(chosen[0] > middle), not is_root_above)]
+    if len(path) > 1:
+        labels.append(Label(f"root {path[0]}", _spot(root), bool(root[0] > middle), is_root_above))
     return tuple(labels)
+
+
+def _spot(point: NDArray[np.float32]) -> tuple[float, float, float]:
+    return float(point[0]), float(point[1]), 0.5

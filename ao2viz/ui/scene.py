@@ -27,6 +27,15 @@ _Z_DISC, _Z_EDGE, _Z_VOTE, _Z_VOTER, _Z_PATH, _Z_HALO, _Z_CORE, _Z_RING = np.arr
 )
 
 
+# A label's corner that sticks to its option, by (is_left, is_above).
+_ANCHORS = {
+    (True, True): "bottom-right",
+    (True, False): "top-right",
+    (False, True): "bottom-left",
+    (False, False): "top-left",
+}
+
+
 @dataclass(frozen=True)
 class _Mesh:
     vertices: NDArray[np.float32]
@@ -64,11 +73,8 @@ class Canvas:
         self._cores = _batch(scene, "/path/cores", _CIRCLE, _PATH_LIMIT, (0, 0, 0))
         self._ring = _batch(scene, "/selected", _RING, 1, SELECTED)
         self._labels = [
-            scene.add_label(
-                f"/labels/{i}/{side}", "", visible=False, anchor=anchor, font_screen_scale=0.85
-            )
+            scene.add_label(f"/labels/{i}", "", visible=False, font_screen_scale=0.85)
             for i in range(2)
-            for side, anchor in (("left", "center-right"), ("right", "center-left"))
         ]
 
     def sync(self, picture: Picture | None, overlay: Overlay | None) -> None:
@@ -105,8 +111,11 @@ class Canvas:
             self._look_at(*self._picture.box, aspect)
 
     def _look_at(self, left: float, right: float, bottom: float, top: float, aspect: float) -> None:
-        middle = ((left + right) / 2, (bottom + top) / 2)
         half_height = max((top - bottom) / 2, (right - left) / 2 / aspect, 3.0) * 1.06
+        # What there is too much of the window goes below and to the left: the legend is there.
+        spare_x = half_height * aspect - (right - left) / 2 * 1.06
+        spare_y = half_height - (top - bottom) / 2 * 1.06
+        middle = ((left + right) / 2 - spare_x, (bottom + top) / 2 - spare_y)
         height = half_height / np.tan(_FOV / 2)
         camera = self._client.camera
         with self._client.atomic():
@@ -173,15 +182,13 @@ class Canvas:
 
     def _sync_labels(self, overlay: Overlay | None) -> None:
         labels = overlay.labels if overlay is not None else ()
-        for i in range(2):
-            label = labels[i] if i < len(labels) else None
-            for side in range(2):
-                handle = self._labels[2 * i + side]
-                handle.visible = label is not None and label.is_left == (side == 0)
-                if handle.visible and label is not None:
-                    x, y, z = label.position
-                    handle.text = f"{label.text}   " if label.is_left else f"   {label.text}"
-                    handle.position = (x, y, z)
+        for i, handle in enumerate(self._labels):
+            handle.visible = i < len(labels)
+            if handle.visible:
+                label = labels[i]
+                handle.text = f"{label.text}  " if label.is_left else f"  {label.text}"
+                handle.anchor = _ANCHORS[label.is_left, label.is_above]
+                handle.position = label.position
 
 
 class _Chunk:

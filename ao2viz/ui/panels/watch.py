@@ -26,7 +26,7 @@ _BUTTONS = (
     (Transport.LAST, "Last step", viser.Icon.PLAYER_SKIP_FORWARD, "E"),
 )
 _NO_EPISODE = "none recorded"
-_BLANK = np.full((400, 600, 3), (26, 29, 36), np.uint8)  # As big as most pictures: no jump.
+_BLANK = np.full((280, 420, 3), (26, 29, 36), np.uint8)  # As big as most pictures: no jump.
 _BLANK_JPEG = encode(_BLANK)
 
 
