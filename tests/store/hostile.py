@@ -9,6 +9,10 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
+import pytest
+
+from ao2viz.store.errors import AgentFileError
+from ao2viz.store.files import read
 
 
 @dataclass
@@ -54,3 +58,18 @@ class Parts:
                 archive.writestr(name, content)
             archive.writestr("manifest.json", manifest or json.dumps(self.manifest))
         return path
+
+
+def refuse(path, words: str, opens=read) -> None:
+    with pytest.raises(AgentFileError, match=words) as caught:
+        opens(path)
+    message = str(caught.value)
+    assert "\n" not in message
+    assert len(message) < 500
+    assert message.isprintable()
+
+
+def npy(array: np.ndarray, **settings) -> bytes:
+    buffer = io.BytesIO()
+    np.lib.format.write_array(buffer, array, **settings)
+    return buffer.getvalue()

@@ -1,6 +1,5 @@
 import io
 import itertools
-from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -22,54 +21,10 @@ from ao2viz.training.states import (
     Stop,
     accepts,
 )
-from ao2viz.training.worker import Worker
+from tests.training.workers import forests_equal, held, prepared, run, start
 
-QUICK = {"warmup_steps": 60}
 ALL = [Start(), Resume(), Pause(), Step(), RunEpisode(), Stop(), SetSpeed(None),
        SetDecideBy(DecideBy.PATH)]  # fmt: skip
-
-
-def start(env_id="tests.toy_envs:Corridor-v0", total_steps=300, **more) -> Start:
-    return Start(env_id, seed=3, total_steps=total_steps, overrides=QUICK, **more)
-
-
-def prepared(command: Start | None = None) -> Worker:
-    """A worker that has just begun to run."""
-    worker = Worker()
-    worker.handle(command or start())
-    while worker.status is RunStatus.PREPARING:
-        worker.advance(0.01)
-    return worker
-
-
-def held(status: RunStatus) -> Worker:
-    """A worker in this status, with whatever it takes to get there."""
-    if status is RunStatus.IDLE:
-        return Worker()
-    if status is RunStatus.PREPARING:
-        worker = Worker()
-        worker.handle(start())
-        return worker
-    worker = prepared(
-        start("tests.toy_envs:Exploding-v0") if status is RunStatus.FAILED else start()
-    )
-    if status is RunStatus.PAUSED:
-        worker.handle(Pause())
-    elif status is not RunStatus.RUNNING:
-        run(worker)
-    assert worker.status is status
-    return worker
-
-
-def run(worker: Worker) -> None:
-    while worker.advance(0.01) is not None:
-        pass
-
-
-def forests_equal(one, other) -> bool:
-    return all(
-        np.array_equal(a, b) for a, b in zip(vars(one).values(), vars(other).values(), strict=True)
-    )
 
 
 @pytest.mark.parametrize("status", RunStatus)
@@ -288,86 +243,6 @@ def test_a_new_run_gets_a_new_number_and_a_new_forest():
     assert second.n_steps == 20
 
 
-@pytest.mark.parametrize(
-    ("command", "words"),
-    [
-        (Start("Nowhere-v0"), "Could not make the environment 'Nowhere-v0'"),
-        (Start("FrozenLake-v1"), "needs observations that are one row of numbers"),
-        (Start("CartPole-v1", overrides={"gama": 1}), "no setting 'gama'"),
-        (Start("CartPole-v1", seed=-1), "seed to be a whole number"),
-        (Start("CartPole-v1", total_steps=0), "at least one step to take, but got 0"),
-        (Start("CartPole-v1", resume_from="no.ao2"), "There is no file 'no.ao2'"),
-    ],
-)
-@pytest.mark.parametrize("status", [RunStatus.IDLE, RunStatus.PAUSED])
-def test_a_run_that_cannot_begin_changes_nothing(status, command, words):
-    worker = held(status)
-    before = worker.update()
-    worker.handle(command)
-    run(worker)
-    after = worker.update()
-    assert (after.status, after.run_id) == (status, before.run_id)
-    assert after.is_error
-    assert words in after.message
-    if status is RunStatus.PAUSED:
-        worker.handle(Resume())
-        run(worker)
-        assert worker.status is RunStatus.FINISHED
-
-
-def test_an_exploding_environment_fails_the_run_and_loses_nothing(tmp_path):
-    worker = prepared(start("tests.toy_envs:Exploding-v0"))
-    run(worker)
-    update = worker.update()
-    assert update.status is RunStatus.FAILED
-    assert update.is_error
-    assert update.message == (
-        "Exploding-v0 failed after 59 steps: RuntimeError: the corridor exploded. What was learned "
-        "is kept: save it, or resume with a fresh episode."
-    )
-    assert update.n_steps == 59
-    worker.handle(Save(tmp_path / "kept.ao2"))
-    assert AO2.load(tmp_path / "kept.ao2").num_timesteps == 59
-    episodes = len(update.history)
-    worker.handle(Resume())
-    run(worker)
-    update = worker.update()
-    assert (update.status, update.n_steps) == (RunStatus.FINISHED, 300)
-    assert update.history[episodes, 2] <= 8, "The episode that exploded must not go on."
-
-
-def test_numbers_that_are_none_fail_the_run():
-    worker = prepared(start("tests.toy_envs:BadReward-v0"))
-    run(worker)
-    update = worker.update()
-    assert update.status is RunStatus.FAILED
-    assert "finite number as reward, but BadReward-v0 gave inf" in update.message
-
-
-def test_a_saved_agent_goes_on(tmp_path):
-    worker = held(RunStatus.FINISHED)
-    worker.handle(Save(tmp_path / "a.ao2"))
-    worker.handle(
-        start(resume_from=tmp_path / "a.ao2", total_steps=50)  # Its own seed and settings count.
-    )
-    run(worker)
-    update = worker.update()
-    assert update.status is RunStatus.FINISHED, update.message
-    assert (update.first_step, update.total_steps, update.n_steps) == (300, 50, 350)
-    expected = AO2("tests.toy_envs:Corridor-v0", seed=3, **QUICK).learn(300).learn(50)
-    assert forests_equal(update.forest, expected.forest)
-
-
-def test_a_save_that_fails_says_so(tmp_path):
-    (tmp_path / "file").write_text("in the way")
-    worker = held(RunStatus.PAUSED)
-    worker.handle(Save(tmp_path / "file" / "a.ao2"))
-    update = worker.update()
-    assert update.is_error
-    assert update.message.startswith(f"Could not save to {tmp_path}/file/a.ao2: ")
-    assert update.status is RunStatus.PAUSED
-
-
 def test_who_decides_can_change_during_a_run():
     worker = prepared()
     assert worker.update().decide_by is DecideBy.VOTE
@@ -376,58 +251,6 @@ def test_who_decides_can_change_during_a_run():
     update = worker.update()
     assert update.decide_by is DecideBy.PATH
     assert update.decision.decide_by is DecideBy.PATH
-
-
-@dataclass
-class Clock:
-    now: float = 0.0
-
-    def __call__(self) -> float:
-        return self.now
-
-
-def test_speed_is_kept_and_can_be_lifted():
-    clock = Clock()
-    worker = Worker(clock=clock)
-    worker.handle(start(total_steps=1000))
-    while worker.status is RunStatus.PREPARING:
-        worker.advance(1)
-    worker.handle(SetSpeed(20.0))
-    while clock.now < 5:
-        wait_s = worker.advance(1)
-        assert 0 < wait_s < 0.051
-        clock.now += wait_s
-    assert worker.update().n_steps == pytest.approx(100, abs=2)
-    worker.handle(SetSpeed(None))
-    run(worker)
-    assert worker.status is RunStatus.FINISHED
-
-
-@pytest.mark.parametrize("speed", [0, -5, float("nan"), float("inf")])
-def test_speeds_that_cannot_be_are_refused(speed):
-    worker = prepared()
-    worker.handle(SetSpeed(speed))
-    assert worker.update().is_error
-    assert "more than 0 steps a second" in worker.update().message
-    run(worker)
-    assert worker.status is RunStatus.FINISHED
-
-
-def test_progress_is_counted_while_running():
-    clock = Clock()
-    worker = Worker(clock=clock)
-    worker.handle(start(total_steps=400))
-    while worker.status is RunStatus.PREPARING:
-        worker.advance(1)
-    worker.handle(SetSpeed(100.0))
-    for _ in range(100):
-        clock.now += worker.advance(1)
-        update = worker.update()
-    assert update.steps_per_s == pytest.approx(100, rel=0.1)
-    assert update.eta_s == pytest.approx((400 - update.n_steps) / 100, rel=0.1)
-    worker.handle(Pause())
-    assert worker.update().steps_per_s == 0
-    assert worker.update().eta_s is None
 
 
 def test_what_is_shown_cannot_be_changed():
