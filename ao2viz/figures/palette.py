@@ -14,7 +14,7 @@ ACTIONS: tuple[Rgb, ...] = (
     (213, 94, 0),  # vermillion
     (0, 114, 178),  # blue
 )
-_MIDDLE: Rgb = (176, 182, 190)  # Between sky blue and orange where actions have an order.
+_MIDDLE: Rgb = (216, 219, 224)  # Between sky blue and orange where actions have an order.
 UNTRIED: Rgb = (92, 101, 114)
 """An option that has not tried any action prefers none."""
 PATH: Rgb = (255, 74, 178)

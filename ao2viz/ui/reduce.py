@@ -47,7 +47,7 @@ from ao2viz.ui.commands import (
     TidyUp,
     Transport,
 )
-from ao2viz.ui.session import Form, Session
+from ao2viz.ui.session import OTHER_ENV, Form, Session
 from ao2viz.ui.world import World
 
 STEPS_PER_S = 10.0
@@ -260,8 +260,8 @@ def _press(session: Session, button: RunButton, world: World) -> Result:
 def _what_is_missing(form: Form) -> str:
     if not form.env_id:
         return "Type the Gymnasium id of an environment first, for example LunarLander-v3."
-    if ":" in form.env_id:
-        # "module:Env" would import code by a name that any browser may send.
+    if form.env == OTHER_ENV and ":" in form.env_id:
+        # "module:Env" would import code by a name that any browser may type.
         return "An id with a colon imports code; start such an environment from the terminal."
     return ""
 
