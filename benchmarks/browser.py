@@ -5,16 +5,26 @@
 The real dashboard, the real runners, a real headless Chromium. Each run trains the same agent
 (same seed), so every run does the same work; the cases alternate, so that whatever else the
 machine does reaches all of them. The run is paused until the browser has settled, then timed.
+
+Two things slow training down: what it has to do so that it can be watched, and the cores that the
+page and the browser use. The processor time of the trainer alone (Linux) tells the first apart.
+A machine without a graphics card spends a whole core on the browser; --pin keeps that core, and
+everything else of the browser, to one half of the cores, and ao2viz to the other, in every case.
 """
 
 import argparse
 import contextlib
+import math
+import os
 import statistics
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
 
 from ao2viz.training.runner import ProcessRunner, Runner, ThreadRunner
 from ao2viz.training.states import Pause, Resume, RunStatus, Start
@@ -42,8 +52,15 @@ class Case:
         return f"{self.runner}, {watched}"
 
 
-def measure(case: Case, env_id: str, steps: int, draw: bool) -> float:
-    """Steps a second between the moment training resumes and its last step."""
+class Speed(NamedTuple):
+    """How fast one run was, between the moment training resumed and its last step."""
+
+    steps_per_s: float
+    cpu_us: float  # Processor time of the trainer, µs a step; NaN where it cannot be known.
+
+
+def measure(case: Case, env_id: str, steps: int, draw: bool) -> Speed:
+    """Trains once."""
     runner = _RUNNERS[case.runner]()
     dashboard = Dashboard(port=0, make_runner=lambda: runner)
     # The dashboard makes its runner at the first click on Start; here a run goes on also where
@@ -65,7 +82,8 @@ def measure(case: Case, env_id: str, steps: int, draw: bool) -> float:
         dashboard.stop()
 
 
-def _time_the_rest(runner: Runner) -> float:
+def _time_the_rest(runner: Runner) -> Speed:
+    cpu_before = _cpu_s(runner)
     runner.submit(Resume())
     began, first = time.perf_counter(), runner.latest().n_steps
     ended, last = began, first
@@ -77,12 +95,32 @@ def _time_the_rest(runner: Runner) -> float:
             break
         time.sleep(0.005)
     _refuse_failure(runner.latest())
-    return (last - first) / (ended - began)
+    steps = last - first
+    return Speed(steps / (ended - began), 1e6 * (_cpu_s(runner) - cpu_before) / steps)
+
+
+def _cpu_s(runner: Runner) -> float:
+    """Processor time that the trainer has used so far."""
+    place = Path("/proc/self/task")
+    if isinstance(runner, ProcessRunner):
+        place = Path(f"/proc/{runner.pid}")
+    else:
+        names = {thread.name: thread.native_id for thread in threading.enumerate()}
+        place /= str(names["ao2viz training"])
+    try:
+        # proc(5): fields 14 and 15, counted after the name in parentheses, in clock ticks.
+        fields = (place / "stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return math.nan
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 @contextlib.contextmanager
 def _visitor(address: str, draw: bool) -> Iterator[None]:
     command = [sys.executable, "-m", "benchmarks.visitor", address, *(["--draw"] if draw else [])]
+    if (cores := os.sched_getaffinity(0)) == _cores_of_ours():  # Pinned: take the others.
+        rest = set(range(os.cpu_count() or 1)) - cores
+        command = ["taskset", "--cpu-list", ",".join(map(str, sorted(rest))), *command]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
     ) as process:
@@ -91,6 +129,11 @@ def _visitor(address: str, draw: bool) -> Iterator[None]:
             raise RuntimeError("The browser did not come up.")
         yield
         process.communicate("")
+
+
+def _cores_of_ours() -> set[int]:
+    """The first half of the cores, for dashboard and training; the browser gets the others."""
+    return set(range(max(1, (os.cpu_count() or 1) // 2)))
 
 
 def _wait_until(is_so: Callable[[], bool]) -> None:
@@ -113,27 +156,39 @@ def main() -> None:
     parser.add_argument("--repetitions", type=int, default=5)
     parser.add_argument("--visitors", type=int, default=1)
     parser.add_argument("--draw", action="store_true", help="let Chromium draw, in software")
+    parser.add_argument("--pin", action="store_true", help="the browser gets a core of its own")
     arguments = parser.parse_args()
+    if arguments.pin:
+        os.sched_setaffinity(0, _cores_of_ours())
     cases = [Case(runner, n) for runner in _RUNNERS for n in (0, arguments.visitors)]
-    rates: dict[Case, list[float]] = {case: [] for case in cases}
+    speeds: dict[Case, list[Speed]] = {case: [] for case in cases}
     for i in range(arguments.repetitions + 1):
         for case in cases if i % 2 else reversed(cases):
-            rate = measure(case, arguments.env, arguments.steps, arguments.draw)
+            speed = measure(case, arguments.env, arguments.steps, arguments.draw)
             if i > 0:  # The first round compiles.
-                rates[case].append(rate)
-            print(f"{case}: {rate:,.0f}", file=sys.stderr, flush=True)
+                speeds[case].append(speed)
+            said = f"{speed.steps_per_s:,.0f} steps/s, {speed.cpu_us:.0f} µs of processor a step"
+            print(f"{case}: {said}", file=sys.stderr, flush=True)
     print(describe_run("benchmarks.browser"))
     drawing = "in software" if arguments.draw else "stubbed"
-    print(f"{arguments.env}, {arguments.steps:,} steps, seed 0, drawing {drawing}.\n")
-    print("| trained in | without a browser, steps/s | with | slower by | every ratio |")
-    print("|---|---:|---:|---:|---|")
+    drawing += ", browser on cores of its own" if arguments.pin else ""
+    print(f"{arguments.env}, {arguments.steps:,} steps, seed 0, drawing {drawing}; medians.\n")
+    print("| trained in | alone, steps/s | watched | slower by | every run | alone, µs | watched |")
+    print("|---|---:|---:|---:|---|---:|---:|")
     for runner in _RUNNERS:
-        alone, watched = rates[Case(runner, 0)], rates[Case(runner, arguments.visitors)]
-        ratios = [1 - b / a for a, b in zip(alone, watched, strict=True)]
-        print(
-            f"| {runner} | {statistics.median(alone):,.0f} | {statistics.median(watched):,.0f} "
-            f"| {statistics.median(ratios):.1%} | {', '.join(f'{r:.1%}' for r in ratios)} |"
-        )
+        print(_row(runner, *(speeds[case] for case in cases if case.runner == runner)))
+
+
+def _row(runner: str, alone: list[Speed], watched: list[Speed]) -> str:
+    ratios = [1 - b.steps_per_s / a.steps_per_s for a, b in zip(alone, watched, strict=True)]
+    cells = [
+        runner,
+        *(f"{statistics.median(s.steps_per_s for s in group):,.0f}" for group in (alone, watched)),
+        f"{statistics.median(ratios):.1%}",
+        ", ".join(f"{ratio:.1%}" for ratio in ratios),
+        *(f"{statistics.median(s.cpu_us for s in group):,.0f}" for group in (alone, watched)),
+    ]
+    return "| " + " | ".join(cells) + " |"
 
 
 if __name__ == "__main__":
