@@ -11,7 +11,7 @@ import pytest
 from ao2viz import AO2, Preset
 from ao2viz.training import serve
 from ao2viz.training.runner import InlineRunner, ProcessRunner, ThreadRunner
-from ao2viz.training.serve import MAX_SHARE, MIN_INTERVAL_S, Pace
+from ao2viz.training.serve import MAX_INTERVAL_S, MAX_SHARE, MIN_INTERVAL_S, Pace
 from ao2viz.training.states import Pause, Resume, RunEpisode, RunStatus, Save, SetSpeed, Start, Step
 from ao2viz.training.updates import RunUpdate
 from ao2viz.training.worker import Worker
@@ -56,6 +56,7 @@ def assert_learned_alike(update: RunUpdate, agent: AO2) -> None:
 def test_the_same_forest_wherever_it_grows_and_however_it_is_held(make, kind, preset):
     agent = AO2("CartPole-v1", preset, seed=8).learn(1500)
     runner = make(kind)
+    runner.submit(SetSpeed(300.0))  # Slow enough to be paused before it is through.
     runner.submit(Start("CartPole-v1", preset, seed=8, total_steps=1500))
     wait_for(runner, RunStatus.RUNNING)
     runner.submit(Pause())
@@ -67,6 +68,7 @@ def test_the_same_forest_wherever_it_grows_and_however_it_is_held(make, kind, pr
     runner.submit(RunEpisode())
     wait_until(runner, lambda update: len(update.history) == ended + 1)
     assert wait_for(runner, RunStatus.PAUSED).episode.decisions
+    runner.submit(SetSpeed(None))
     runner.submit(Resume())
     assert_learned_alike(wait_for(runner, RunStatus.FINISHED), agent)
 
@@ -89,6 +91,7 @@ def test_a_reader_that_is_frozen_holds_nothing_up(tmp_path):
         "from ao2viz.training.states import *\n"
         "if __name__ == '__main__':\n"
         "    runner = ProcessRunner()\n"
+        "    runner.submit(SetSpeed(2000.0))\n"
         "    runner.submit(Start('CartPole-v1', total_steps=3000))\n"
         "    while runner.latest().status is not RunStatus.RUNNING: time.sleep(0.01)\n"
         "    print(runner.pid, flush=True)\n"
@@ -141,6 +144,7 @@ def _is_running(pid: int) -> bool:
 @pytest.mark.parametrize("kind", BACKGROUND)
 def test_what_takes_long_is_shown_before_it_begins(make, kind):
     runner, seen = make(kind), []
+    runner.submit(SetSpeed(300.0))
     runner.submit(Start("CartPole-v1", total_steps=300))
     while (update := runner.latest()).status is not RunStatus.FINISHED:
         if not seen or seen[-1] is not update:
@@ -237,6 +241,7 @@ def test_the_process_never_outlives_the_one_that_started_it(tmp_path, ending):
 
 def test_ctrl_c_in_the_terminal_is_left_to_the_program(make):
     runner = make(ProcessRunner)
+    runner.submit(SetSpeed(500.0))
     runner.submit(Start("CartPole-v1", total_steps=500))
     wait_for(runner, RunStatus.RUNNING)
     os.kill(runner.pid, signal.SIGINT)
@@ -267,6 +272,12 @@ def test_updates_that_cost_much_come_rarely():
     assert not pace.is_due(0.9)
     pace.note(2.0, 2.001)
     assert pace.interval_s == MIN_INTERVAL_S
+
+
+def test_one_slow_update_does_not_hide_the_next_for_long():
+    pace = Pace()
+    pace.note(0.0, 5.0)
+    assert pace.is_due(5.0 + MAX_INTERVAL_S)
 
 
 def test_showing_costs_training_little(monkeypatch):
