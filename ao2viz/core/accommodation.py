@@ -1,17 +1,17 @@
 """Accommodation: making room in the forest for what no option stands for yet."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns, distance
+from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION
 
 MAX_LINKS = 32
 """The most extra parents a new option is linked to."""
 
 
-@njit(cache=True)
+@compiled
 def find_parent(
     columns: Columns,
     first_root: int,

@@ -1,10 +1,10 @@
 """Assimilation: letting what was experienced and imagined move the weights."""
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns
+from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience
 from ao2viz.core.imagination import Imagination, Rules, backup, imagine, story_value
@@ -14,7 +14,7 @@ from ao2viz.core.inference import Workspace
 _SETTLED = 1e-4
 
 
-@njit(cache=True)
+@compiled
 def imagine_all(
     columns: Columns,
     experience: Experience,
@@ -30,7 +30,7 @@ def imagine_all(
     backup(columns, imagination, option)
 
 
-@njit(cache=True)
+@compiled
 def assimilate(
     columns: Columns,
     experience: Experience,
@@ -77,7 +77,7 @@ def assimilate(
             backup(columns, imagination, cursors[1])
 
 
-@njit(cache=True)
+@compiled
 def settle(
     columns: Columns,
     experience: Experience,
@@ -103,7 +103,7 @@ def settle(
     return sweeps
 
 
-@njit(cache=True)
+@compiled
 def keep_stories(
     imagination: Imagination,
     options: NDArray[np.int64],

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION
 
 
@@ -29,7 +29,7 @@ class Columns(NamedTuple):
     visits: NDArray[np.int64]  # [C, A] how often each action was tried here.
 
 
-@njit(cache=True, inline="always")
+@compiled
 def distance(scaled: NDArray[np.float64], row: int, query: NDArray[np.float64]) -> float:
     """L1 distance between an option and a query, both scaled by the attention weights."""
     total = 0.0
@@ -38,7 +38,7 @@ def distance(scaled: NDArray[np.float64], row: int, query: NDArray[np.float64]) 
     return total
 
 
-@njit(cache=True)
+@compiled
 def insert(columns: Columns, heads: NDArray[np.int64], row: int, parent: int) -> None:
     """Hangs a row into the tree, in front of its siblings, and lets its ancestors know."""
     columns.parents[row] = parent
@@ -53,7 +53,7 @@ def insert(columns: Columns, heads: NDArray[np.int64], row: int, parent: int) ->
     extend_reach(columns, row)
 
 
-@njit(cache=True)
+@compiled
 def extend_reach(columns: Columns, row: int) -> None:
     """Lets every ancestor know how far away this option is."""
     ancestor = int(columns.parents[row])
@@ -63,7 +63,7 @@ def extend_reach(columns: Columns, row: int) -> None:
         ancestor = int(columns.parents[ancestor])
 
 
-@njit(cache=True)
+@compiled
 def add_row(
     columns: Columns,
     heads: NDArray[np.int64],
@@ -87,7 +87,7 @@ def add_row(
     return row
 
 
-@njit(cache=True)
+@compiled
 def measure_reach(columns: Columns, count: int) -> None:
     """Finds every reach anew, from the tree."""
     columns.reach[:count] = 0.0

@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns
+from ao2viz.core.compiled import compiled
 from ao2viz.core.inference import Workspace, closeness, kernel_width, solve_local_linear
 from ao2viz.core.search import find_nearest
 
@@ -33,7 +33,7 @@ def allocate_experience(capacity: int, n_actions: int, n_features: int) -> Exper
     )
 
 
-@njit(cache=True)
+@compiled
 def record(
     columns: Columns,
     experience: Experience,
@@ -63,7 +63,7 @@ def record(
         )
 
 
-@njit(cache=True)
+@compiled
 def merge(columns: Columns, experience: Experience, option: int, heir: int, cap: int) -> None:
     """Adds an option's experience to its heir's, each mean counting for its visits."""
     for a in range(columns.visits.shape[1]):
@@ -88,7 +88,7 @@ def merge(columns: Columns, experience: Experience, option: int, heir: int, cap:
             )
 
 
-@njit(cache=True)
+@compiled
 def predict(
     columns: Columns,
     experience: Experience,

@@ -3,10 +3,10 @@
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns, distance
+from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience, predict
 from ao2viz.core.inference import Workspace, find_shares
@@ -58,7 +58,7 @@ def allocate_imagination(capacity: int, n_actions: int, voters: int) -> Imaginat
     )
 
 
-@njit(cache=True)
+@compiled
 def imagine(
     columns: Columns,
     experience: Experience,
@@ -107,7 +107,7 @@ def imagine(
         imagination.end_shares[option, action, n] = 0.0
 
 
-@njit(cache=True)
+@compiled
 def backup(columns: Columns, imagination: Imagination, option: int) -> float:
     """Renews an option's weights from its stories; returns by how much its value moved.
 
@@ -136,7 +136,7 @@ def backup(columns: Columns, imagination: Imagination, option: int) -> float:
     return change
 
 
-@njit(cache=True)
+@compiled
 def story_value(imagination: Imagination, option: int, action: int) -> float:
     """What the kept real trace is worth today; NaN if none is kept."""
     worth = imagination.story_reward[option, action]

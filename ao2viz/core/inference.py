@@ -4,10 +4,10 @@ from typing import NamedTuple
 from zlib import crc32
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns, distance
+from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest
 from ao2viz.core.search import ANY_ACTION, Scratch, find_nearest, make_scratch
@@ -44,20 +44,20 @@ def make_workspace(capacity: int, voters: int, n_features: int) -> Workspace:
     )
 
 
-@njit(cache=True)
+@compiled
 def kernel_width(nearest: float, radius: float) -> float:
     """How far options still have a say: two radii, or half again as far as the nearest."""
     return max(2.0 * radius, 1.5 * nearest)
 
 
-@njit(cache=True)
+@compiled
 def closeness(d: float, width: float) -> float:
     """Weight of an option at distance d: 1 at the query, falling to 0 at the kernel width."""
     gap = 1.0 - (d / width) ** 3
     return gap**3 if gap > 0.0 else 0.0
 
 
-@njit(cache=True)
+@compiled
 def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
     """Shares whose weighted sum is the local linear (ridge) regression's value at the query.
 
@@ -112,7 +112,7 @@ def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
         work.shares[n] = s * work.kernel[n]
 
 
-@njit(cache=True)
+@compiled
 def find_shares(
     columns: Columns,
     first_root: int,
@@ -142,7 +142,7 @@ def find_shares(
     return count
 
 
-@njit(cache=True)
+@compiled
 def weigh_actions(
     columns: Columns,
     first_root: int,
@@ -172,7 +172,7 @@ def weigh_actions(
     return count
 
 
-@njit(cache=True)
+@compiled
 def trace_paths(
     columns: Columns,
     query: NDArray[np.float64],

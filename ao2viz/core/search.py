@@ -9,10 +9,10 @@ subtrees are skipped without losing exactness (branch and bound). Distances are 
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns, distance
+from ao2viz.core.compiled import compiled
 
 ANY_ACTION = -1
 # The walk compares rounded sums, so a bound is loosened by far more than rounding can spoil.
@@ -26,7 +26,7 @@ class Scratch(NamedTuple):
     bounds: NDArray[np.float64]  # [C]
 
 
-@njit(cache=True)
+@compiled
 def find_nearest(
     columns: Columns,
     first_root: int,

@@ -52,10 +52,7 @@ def live(learner, world, steps):
     """Learns for some steps from a fresh episode; yields what happened at each."""
     ended = True
     for _ in range(steps):
-        if ended:
-            started = learner.start(world.reset())
-        else:
-            started = ()
+        started = learner.start(world.reset()) if ended else ()
         decision = learner.decide()
         view = learner.view()
         observation, reward, terminated, truncated = world.step(decision.action)

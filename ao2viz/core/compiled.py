@@ -1,0 +1,47 @@
+"""Compiled functions, cached on disk under a name that changes with any source of this folder.
+
+numba's cache watches the file that a function stands in, but not the files of the functions that
+it calls and that are compiled into it. After an upgrade that changes one file, the others would
+go on with the old code.
+"""
+
+import hashlib
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+
+# numba fills it at run time; type checkers do not see what is in it.
+_config: Any = numba.config
+
+FunctionT = TypeVar("FunctionT", bound=Callable)
+
+
+def compiled(function: FunctionT) -> FunctionT:
+    """Compiles a function when it is first called; later processes load it from disk."""
+    before = _config.CACHE_DIR
+    _config.CACHE_DIR = str(_FOLDER)
+    try:
+        return cast(FunctionT, numba.njit(cache=True)(function))
+    finally:
+        _config.CACHE_DIR = before
+
+
+def _find_folder() -> Path:
+    """Where the compiled code of exactly these sources is kept."""
+    here = Path(__file__).resolve().parent
+    digest = hashlib.sha256()
+    for source in sorted(here.glob("*.py")):
+        digest.update(source.read_bytes())
+    if _config.CACHE_DIR:
+        base = Path(_config.CACHE_DIR)
+    elif os.access(here, os.W_OK):
+        base = here / "__pycache__"
+    else:
+        base = Path.home() / ".cache" / "ao2viz"
+    return base / f"compiled-{digest.hexdigest()[:16]}"
+
+
+_FOLDER = _find_folder()

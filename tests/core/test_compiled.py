@@ -1,0 +1,35 @@
+"""A change in one file reaches the compiled code of every file that calls it."""
+
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import ao2viz
+
+ASK = """
+import numpy as np
+from ao2viz.core.forest import Forest
+forest = Forest(1, 1, np.ones(1))
+forest.add(np.array([3.0]), -1, 0)
+print(forest.nearest(np.array([1.0]))[1][0])
+"""
+
+
+def ask(folder):
+    done = subprocess.run(
+        [sys.executable, "-c", ASK], cwd=folder, capture_output=True, text=True, check=True
+    )
+    return float(done.stdout)
+
+
+def test_an_upgraded_file_is_not_answered_with_code_compiled_before(tmp_path):
+    package = Path(ao2viz.__file__).parent
+    shutil.copytree(package, tmp_path / "ao2viz", ignore=shutil.ignore_patterns("__pycache__"))
+    assert ask(tmp_path) == 2.0
+    columns = tmp_path / "ao2viz" / "core" / "columns.py"
+    text = columns.read_text()
+    # `find_nearest` stands in another file, and its cached code has `distance` inside.
+    assert text.count("total += abs(") == 1
+    columns.write_text(text.replace("total += abs(", "total += 10 * abs("))
+    assert ask(tmp_path) == 20.0
