@@ -12,9 +12,10 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba.core import config
 
 # numba fills it at run time; type checkers do not see what is in it.
-_config: Any = numba.config
+_config: Any = config
 
 FunctionT = TypeVar("FunctionT", bound=Callable)
 
