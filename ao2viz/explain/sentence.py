@@ -158,13 +158,18 @@ def _gaps(
     shares = parts / total if holds and total > 0 else np.full(len(parts), np.nan)
     order = np.argsort(-parts, kind="stable")
     return tuple(
-        _gap(spec.features[i], decision.observation[i], view.values[option, i], shares[i])
+        _gap(
+            spec.features[i],
+            float(decision.observation[i]),
+            float(view.values[option, i]),
+            float(shares[i]),
+        )
         for i in order
     )
 
 
 def _gap(feature: Feature, seen: float, known: float, share: float) -> Gap:
-    return Gap(feature.name, amount(seen, feature), amount(known, feature), float(share))
+    return Gap(feature.name, amount(seen, feature), amount(known, feature), share)
 
 
 def _is_close(decision: Decision) -> bool:

@@ -49,5 +49,5 @@ def percent(share: float) -> str:
 
 
 def count(n: int, noun: str) -> str:
-    """ "1 step", "2 steps", "12,000 steps"."""
+    """As in "1 step", "2 steps", "12,000 steps"."""
     return f"{n:,} {noun}" if n == 1 else f"{n:,} {noun}s"

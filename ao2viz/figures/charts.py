@@ -26,14 +26,14 @@ def returns_figure(history: NDArray[np.float64], spec: TaskSpec | None) -> go.Fi
     steps, returns = history[:, 0], history[:, 1]
     smooth = _running_mean(returns, _SMOOTH_EPISODES)
     shown = _thin(len(steps))
-    line = dict(color=to_hex(ACTIONS[0]))
+    line = {"color": to_hex(ACTIONS[0])}
     figure.add_scatter(
         x=steps[shown],
         y=returns[shown],
         name="each episode",
         mode="lines+markers" if len(steps) < 60 else "lines",
         line=dict(line, width=1),
-        marker=dict(size=3),
+        marker={"size": 3},
         opacity=0.45,
     )
     figure.add_scatter(
@@ -41,7 +41,7 @@ def returns_figure(history: NDArray[np.float64], spec: TaskSpec | None) -> go.Fi
         y=smooth[shown],
         name=f"mean of {_SMOOTH_EPISODES}",
         mode="lines",
-        line=dict(color=to_hex(ACTIONS[1]), width=2.5),
+        line={"color": to_hex(ACTIONS[1]), "width": 2.5},
     )
     if spec is not None:
         _mark(figure, spec.entry.solved_at, "solved", "dash")
@@ -58,7 +58,7 @@ def options_figure(history: NDArray[np.float64]) -> go.Figure:
         y=history[shown, 3],
         name="options",
         mode="lines",
-        line=dict(color=to_hex(ACTIONS[2]), width=2.5),
+        line={"color": to_hex(ACTIONS[2]), "width": 2.5},
         fill="tozeroy",
         fillcolor="rgba(0,158,115,0.13)",
     )
@@ -99,14 +99,30 @@ def _frame(x: str, y: str) -> go.Figure:
         template="none",
         paper_bgcolor="rgba(0,0,0,0)",
         plot_bgcolor="rgba(0,0,0,0)",
-        font=dict(family="Segoe UI, Roboto, Helvetica, Arial, sans-serif", size=11, color=_INK),
-        margin=dict(l=46, r=10, t=26, b=38),
-        legend=dict(orientation="h", x=0, y=1.02, yanchor="bottom", bgcolor="rgba(0,0,0,0)"),
+        font={
+            "family": "Segoe UI, Roboto, Helvetica, Arial, sans-serif",
+            "size": 11,
+            "color": _INK,
+        },
+        margin={"l": 46, "r": 10, "t": 26, "b": 38},
+        legend={
+            "orientation": "h",
+            "x": 0,
+            "y": 1.02,
+            "yanchor": "bottom",
+            "bgcolor": "rgba(0,0,0,0)",
+        },
         hovermode="x unified",
     )
-    axis = dict(gridcolor=_GRID, zeroline=False, linecolor=_GRID, ticks="", automargin=True)
-    figure.update_xaxes(title=dict(text=x, standoff=6), **axis)
-    figure.update_yaxes(title=dict(text=y, standoff=4), **axis)
+    axis = {
+        "gridcolor": _GRID,
+        "zeroline": False,
+        "linecolor": _GRID,
+        "ticks": "",
+        "automargin": True,
+    }
+    figure.update_xaxes(title={"text": x, "standoff": 6}, **axis)
+    figure.update_yaxes(title={"text": y, "standoff": 4}, **axis)
     return figure
 
 
@@ -115,8 +131,11 @@ def _mark(figure: go.Figure, level: float | None, word: str, dash: str) -> None:
         return
     figure.add_hline(
         y=level,
-        line=dict(color=_INK, width=1.2, dash=dash),
-        annotation=dict(text=f"{word} {level:g}".replace("-", "−"), font=dict(size=10, color=_INK)),
+        line={"color": _INK, "width": 1.2, "dash": dash},
+        annotation={
+            "text": f"{word} {level:g}".replace("-", "−"),
+            "font": {"size": 10, "color": _INK},
+        },
         annotation_position="top left",
     )
 

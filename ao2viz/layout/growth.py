@@ -31,7 +31,7 @@ class Field:
     def is_free(self, points: NDArray[np.float64]) -> NDArray[np.bool_]:
         """[K] whether nothing stands closer than SPACING; beyond the field nothing is free."""
         cells = np.floor((points - self._origin) / _CELL).astype(np.int64)
-        free = ((cells >= 2) & (cells < self._size - 2)).all(axis=1)
+        free: NDArray[np.bool_] = np.all((cells >= 2) & (cells < self._size - 2), axis=1)
         cells = cells[:, 0] * self._size + cells[:, 1]
         # Most spots that are taken have an option in their very cell, which is quick to see.
         free[free] = np.isinf(self._points[cells[free], 0])
@@ -113,5 +113,5 @@ def ideal_spot(
     return centre + ring * direction
 
 
-def _direction(angle: NDArray[np.float64]) -> NDArray[np.float64]:
+def _direction(angle: NDArray[np.floating]) -> NDArray[np.float64]:
     return np.stack([np.cos(angle), np.sin(angle)], axis=-1)

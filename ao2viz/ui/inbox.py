@@ -69,6 +69,8 @@ def on_trigger(handle: viser.CommandHandle, command: Command, client_id: int, in
 def on_canvas_click(scene: viser.SceneApi, client_id: int, inbox: Inbox) -> None:
     """Sends the ray of every click on the canvas."""
 
-    @scene.on_click()
-    async def _(event: viser.SceneClickEvent) -> None:
-        inbox.put(client_id, Pick(tuple(event.ray_origin), tuple(event.ray_direction)))
+    async def put(event: viser.SceneClickEvent) -> None:
+        inbox.put(client_id, Pick(event.ray_origin, event.ray_direction))
+
+    # Viser's annotation leaves out that it awaits coroutines here as everywhere.
+    scene.on_click()(put)  # pyright: ignore[reportArgumentType]

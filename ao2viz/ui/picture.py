@@ -42,8 +42,10 @@ class Picture:
 
     def pick(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> int:
         """The option that a ray from the camera meets; NO_OPTION if it meets none."""
+        if len(origin) != 3 or len(direction) != 3:
+            return NO_OPTION
         ray = np.array([origin, direction], np.float64)
-        if ray.shape != (2, 3) or not np.isfinite(ray).all() or ray[1, 2] * ray[0, 2] >= 0:
+        if not np.isfinite(ray).all() or ray[1, 2] * ray[0, 2] >= 0:
             return NO_OPTION  # Looking away from the plane, or no ray at all.
         hit = ray[0, :2] - ray[1, :2] * ray[0, 2] / ray[1, 2]
         gaps = np.hypot(*(self.positions[:, :2] - hit).T)
@@ -75,7 +77,9 @@ def draw(view: ForestView, layout: Layout, spec: TaskSpec) -> Picture:
         layout=layout,
         positions=positions,
         colors=np.where(
-            visits[:, None] > 0, colors[view.best_actions[: len(drawn)]], np.uint8(UNTRIED)
+            visits[:, None] > 0,
+            colors[view.best_actions[: len(drawn)]],
+            np.array(UNTRIED, np.uint8),
         ).astype(np.uint8),
         sizes=np.where(drawn, np.clip(0.24 + 0.045 * np.log2(1 + visits), 0, 0.46), 0).astype(
             np.float32

@@ -1,6 +1,7 @@
 """The canvas of one browser: thin code that hands arrays to viser."""
 
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import viser
@@ -28,7 +29,9 @@ _Z_DISC, _Z_EDGE, _Z_VOTE, _Z_VOTER, _Z_PATH, _Z_HALO, _Z_CORE, _Z_RING = np.arr
 
 
 # A label's corner that sticks to its option, by (is_left, is_above).
-_ANCHORS = {
+_ANCHORS: dict[
+    tuple[bool, bool], Literal["bottom-right", "top-right", "bottom-left", "top-left"]
+] = {
     (True, True): "bottom-right",
     (True, False): "top-right",
     (False, True): "bottom-left",
@@ -106,8 +109,8 @@ class Canvas:
             low, high = overlay.path[:, :2].min(axis=0), overlay.path[:, :2].max(axis=0)
             self._look_at(low[0] - 4, high[0] + 4, low[1] - 4, high[1] + 4, aspect)
             return
-        is_ours = self._camera is not None and self._camera.is_still(camera)
-        if fits != wanted[0] or (is_ours and self._camera.misses(self._picture.box, aspect)):
+        ours = self._camera if self._camera and self._camera.is_still(camera) else None
+        if fits != wanted[0] or (ours and ours.misses(self._picture.box, aspect)):
             self._look_at(*self._picture.box, aspect)
 
     def _look_at(self, left: float, right: float, bottom: float, top: float, aspect: float) -> None:

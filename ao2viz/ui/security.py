@@ -22,6 +22,7 @@ import viser
 import viser._messages as messages
 import viser.infra._infra as infra
 import websockets.asyncio.server
+from viser.infra import Message
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
@@ -34,6 +35,7 @@ MAX_BROWSERS = 32
 
 _LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 _COOKIE = "ao2viz_token"
+_LARGEST = 1e300
 # Everything a browser needs to say; the share tunnel, uploads and forms are not among it.
 _ALLOWED = (
     messages.ViewerCameraMessage,
@@ -198,7 +200,7 @@ def _guard(handler: infra.WebsockMessageHandler, gui: viser.GuiApi | None) -> No
     """Lets through what `is_harmless`; without a GuiApi no value can be set at all."""
     behind = type(handler)._handle_incoming_message
 
-    async def filtered(client_id: infra.ClientId, message: infra.Message) -> None:
+    async def filtered(client_id: infra.ClientId, message: Message) -> None:
         if is_harmless(message, gui):
             await behind(handler, client_id, message)
 
@@ -237,7 +239,9 @@ def is_offered(handle: Any, value: object) -> bool:
 
 
 def _is_number_for(handle: Any, value: object) -> bool:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    if not abs(value) <= _LARGEST:  # Neither is NaN, which compares with nothing.
         return False
     if isinstance(handle.value, int) and value != int(value):
         return False

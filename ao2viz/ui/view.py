@@ -84,7 +84,7 @@ def project(session: Session, world: World) -> View:
         decision = episode.decisions[position] if position < last else None
         observation = episode.observations[position]
     forest = update.forest if is_run else (agent.forest_view() if agent else None)
-    origin = ("run", str(update.run_id)) if is_run else ("file", str(session.source))
+    kind, name = ("run", str(update.run_id)) if is_run else ("file", str(session.source))
     return View(
         shelf=world.shelf,
         has_run=update.status is not RunStatus.IDLE or is_run,
@@ -93,7 +93,7 @@ def project(session: Session, world: World) -> View:
         episode_index=session.episode,
         spec=update.spec if is_run else (agent.spec if agent else None),
         forest=forest,
-        forest_key=(*origin, session.tidies),
+        forest_key=(kind, name, session.tidies),
         is_live=is_run,
         decision=decision,
         observation=observation,

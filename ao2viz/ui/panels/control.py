@@ -1,6 +1,10 @@
 """The right dock, above: what to train, and the buttons of the run that all browsers share."""
 
+from functools import partial
+from typing import Any
+
 import viser
+from viser._messages import HotkeyKey, LiteralColor
 
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import DecideBy
@@ -30,7 +34,7 @@ _SPEEDS: dict[str, float | None] = {
     "10/s": 10.0,
     "3/s": 3.0,
 }
-_BUTTONS = (
+_BUTTONS: tuple[tuple[RunButton, str, viser.IconName, LiteralColor, HotkeyKey | None], ...] = (
     (RunButton.START, "Start", viser.Icon.PLAYER_PLAY, "green", "T"),
     (RunButton.PAUSE, "Pause", viser.Icon.PLAYER_PAUSE, "gray", "H"),
     (RunButton.STOP, "Stop", viser.Icon.PLAYER_STOP, "gray", None),
@@ -46,12 +50,7 @@ class ControlPanel:
     """Starts, steers and saves training."""
 
     def __init__(self, gui: viser.GuiApi, client_id: int, inbox: Inbox) -> None:
-        def edit(field: Field) -> viser.GuiInputHandle:  # Shortens the wiring below.
-            handle = self._fields[field]
-            on_change(handle, lambda value: Edit(field, value), client_id, inbox)
-            return handle
-
-        self._fields: dict[Field, viser.GuiInputHandle] = {}
+        self._fields: dict[Field, Any] = {}
         self._shown: tuple[object, ...] = ()
         self._fields[Field.ENV] = gui.add_dropdown("Environment", (OTHER_ENV,))
         self._fields[Field.CUSTOM_ENV] = gui.add_text("Gymnasium id", "", visible=False)
@@ -87,8 +86,8 @@ class ControlPanel:
         on_change(self._decide_by, lambda v: ChooseDecideBy(DecideBy(v)), client_id, inbox)
         self._progress = gui.add_progress_bar(0.0)
         self._status = gui.add_html("")
-        for field in Field:
-            edit(field)
+        for field, handle in self._fields.items():
+            on_change(handle, partial(Edit, field), client_id, inbox)
 
     def sync(self, view: View) -> None:
         """Shows the view. Assigning an unchanged value sends nothing."""

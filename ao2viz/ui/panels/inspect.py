@@ -13,7 +13,7 @@ from ao2viz.ui.inbox import Inbox, on_change
 from ao2viz.ui.view import View
 
 _SHOWN = 6
-_CHOOSE = "choose one …"
+_CHOOSE: str = "choose one …"
 _HELP = (
     '<div class="ao"><p class="ao-dim">Click an option on the canvas, type its id above, or take '
     "the option that decided.</p></div>"
@@ -82,7 +82,7 @@ class _Links:
             button = gui.add_button("–", color="gray", visible=False)
             on_click_nth(button, self, place, client_id, inbox)
             self._buttons.append(button)
-        self._rest = gui.add_dropdown("More", (_CHOOSE,), visible=False)
+        self._rest = gui.add_dropdown("More", [_CHOOSE], visible=False)
         on_change(self._rest, _to_option, client_id, inbox)
 
     def nth(self, place: int) -> int:

@@ -1,11 +1,18 @@
 """The small panel over the canvas: what its colours and lines mean, and the view buttons."""
 
 import viser
+from viser._messages import HotkeyKey
 
 from ao2viz.ui import html
-from ao2viz.ui.commands import Fit, FocusPath, TidyUp
+from ao2viz.ui.commands import Command, Fit, FocusPath, TidyUp
 from ao2viz.ui.inbox import Inbox, on_click, on_trigger
 from ao2viz.ui.view import View
+
+_BUTTONS: tuple[tuple[str, str, viser.IconName, Command, HotkeyKey], ...] = (
+    ("Fit", "show the whole forest", viser.Icon.ARROWS_MAXIMIZE, Fit(), "F"),
+    ("Path", "show the path", viser.Icon.FOCUS, FocusPath(), "V"),
+    ("Tidy", "arrange the forest afresh", viser.Icon.LAYOUT, TidyUp(), "Y"),
+)
 
 
 class LegendPanel:
@@ -16,16 +23,11 @@ class LegendPanel:
         gui.add_html(html.no_tab())
         self._text = gui.add_html(html.legend(None, None))
         gui.add_html(html.row(3))
-        for label, icon, command, key in (
-            ("Fit", viser.Icon.ARROWS_MAXIMIZE, Fit(), "F"),
-            ("Path", viser.Icon.FOCUS, FocusPath(), "V"),
-            ("Tidy", viser.Icon.LAYOUT, TidyUp(), "Y"),
-        ):
+        for label, words, icon, command, key in _BUTTONS:
             button = gui.add_button(label, icon=icon, color="gray")
             on_click(button, command, client_id, inbox)
-            name = {"Fit": "show the whole forest", "Path": "show the path", "Tidy": "tidy up"}
-            key_command = gui.add_command(f"Canvas: {name[label]}", hotkey=key, icon=icon)
-            on_trigger(key_command, command, client_id, inbox)
+            trigger = gui.add_command(f"Canvas: {words}", hotkey=key, icon=icon)
+            on_trigger(trigger, command, client_id, inbox)
 
     def sync(self, view: View) -> None:
         """Shows the legend of the forest on the canvas."""

@@ -2,6 +2,7 @@
 
 import numpy as np
 import viser
+from viser._messages import HotkeyKey
 
 from ao2viz.ui import html
 from ao2viz.ui.commands import (
@@ -16,16 +17,16 @@ from ao2viz.ui.frames import encode
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.view import View
 
-LIVE = "Training, live"
+LIVE: str = "Training, live"
 _SPEEDS = {"⅛×": 1 / 8, "¼×": 1 / 4, "½×": 1 / 2, "1×": 1.0, "2×": 2.0, "4×": 4.0, "8×": 8.0}
-_BUTTONS = (
+_BUTTONS: tuple[tuple[Transport, str, viser.IconName, HotkeyKey], ...] = (
     (Transport.FIRST, "First step", viser.Icon.PLAYER_SKIP_BACK, "Q"),
     (Transport.BACK, "Step back", viser.Icon.PLAYER_TRACK_PREV, "A"),
     (Transport.PLAY, "Play", viser.Icon.PLAYER_PLAY, "P"),
     (Transport.FORWARD, "Step forward", viser.Icon.PLAYER_TRACK_NEXT, "D"),
     (Transport.LAST, "Last step", viser.Icon.PLAYER_SKIP_FORWARD, "E"),
 )
-_NO_EPISODE = "none recorded"
+_NO_EPISODE: str = "none recorded"
 _BLANK = np.full((280, 420, 3), (26, 29, 36), np.uint8)  # As big as most pictures: no jump.
 _BLANK_JPEG = encode(_BLANK)
 
@@ -39,9 +40,9 @@ class WatchPanel:
         self._said: tuple[object, ...] = ()
         self._pictured: tuple[str, str] = ("", "")
         gui.add_html(html.no_tab())
-        self._source = gui.add_dropdown("Watch", (LIVE,))
+        self._source = gui.add_dropdown("Watch", [LIVE])
         on_change(self._source, self._to_source, client_id, inbox)
-        self._episode = gui.add_dropdown("Episode", (_NO_EPISODE,))
+        self._episode = gui.add_dropdown("Episode", [_NO_EPISODE])
         on_change(self._episode, self._to_episode, client_id, inbox)
         self._image = gui.add_image(_BLANK, format="jpeg")
         gui.add_html(html.row(6))
