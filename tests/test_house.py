@@ -62,8 +62,11 @@ NEVER_IMPORTED = {
 }
 # What multiprocessing does anyway, between two processes of our own; files and clients never.
 MAY_PICKLE = {"ao2viz/training/runner.py"}
+# It tells the compiler where to keep its cache; the mind itself touches no file.
+MAY_TOUCH_FILES = {"ao2viz/core/compiled.py"}
 NEVER_CALLED = {"eval", "exec", "compile", "__import__"}
-SILENT = {"print", "open", "input", "sleep"}
+NOT_SILENT = {"time", "threading", "logging", "os", "pathlib", "random", "io"}
+NOT_CALLED_IN_CORE = {"print", "open", "input", "sleep"}
 
 SOURCES = sorted(PACKAGE.rglob("*.py"))
 EVERYTHING = [
@@ -132,10 +135,14 @@ def test_the_core_knows_numbers_only_and_is_silent(path: Path) -> None:
         library = module.split(".")[0]
         known = library in CORE_MAY_IMPORT | {"ao2viz"} or library in sys.stdlib_module_names
         assert known, f"{name_of(path)} imports {module}."
-        assert library not in {"time", "threading", "logging", "os", "pathlib", "random", "io"}
+        assert name_of(path) in MAY_TOUCH_FILES or library not in NOT_SILENT, (
+            f"{name_of(path)} imports {module}."
+        )
     for node in ast.walk(tree_of(path)):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Name):
-            assert node.func.id not in SILENT, f"{name_of(path)}:{node.lineno} is not silent."
+            assert node.func.id not in NOT_CALLED_IN_CORE, (
+                f"{name_of(path)}:{node.lineno} is not silent."
+            )
         if isinstance(node, ast.Attribute) and ast.unparse(node).startswith("np.random."):
             assert node.attr in {"Generator", "default_rng"}, (
                 f"{name_of(path)}:{node.lineno} draws global random numbers."
