@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns
 from ao2viz.core.compiled import compiled
-from ao2viz.core.inference import Workspace, closeness, kernel_width, solve_local_linear
+from ao2viz.core.inference import Workspace, kernel_width, sharp_closeness, solve_local_linear
 from ao2viz.core.search import find_nearest
 
 # A prediction needs an option that tried the action within this many radii.
@@ -114,7 +114,7 @@ def predict(
     width = kernel_width(work.distances[0], radius)
     for n in range(count):
         option = work.ids[n]
-        work.kernel[n] = closeness(work.distances[n], width)
+        work.kernel[n] = sharp_closeness(work.distances[n], width)
         for d in range(n_features):
             work.offsets[n, d] = (experience.origin[option, action, d] - state[d]) / width
     solve_local_linear(work, count, ridge)

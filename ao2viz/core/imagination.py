@@ -95,7 +95,7 @@ def imagine(
     imagination.discount[option, action] = discount
     if steps == 0:
         return
-    count = find_shares(columns, first_root, state, rules.radius, rules.share_ridge, work)
+    count = find_shares(columns, first_root, state, rules.radius, rules.share_ridge, False, work)
     kept = 0
     for n in range(count):
         if work.shares[n] > 0.0:

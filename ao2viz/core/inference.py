@@ -51,10 +51,20 @@ def kernel_width(nearest: float, radius: float) -> float:
 
 
 @compiled
-def closeness(d: float, width: float) -> float:
-    """Weight of an option at distance d: 1 at the query, falling to 0 at the kernel width."""
+def sharp_closeness(d: float, width: float) -> float:
+    """Weight of an option at distance d while imagining: only what is near tells what follows."""
+    gap = 1.0 - d / width
+    return gap * gap if gap > 0.0 else 0.0
+
+
+@compiled
+def broad_closeness(d: float, width: float) -> float:
+    """Weight of an option at distance d while deciding: many voters even out each one's error.
+
+    The tricube kernel of Cleveland (1979), 1 at the query and 0 at the kernel width.
+    """
     gap = 1.0 - (d / width) ** 3
-    return gap**3 if gap > 0.0 else 0.0
+    return gap * gap * gap if gap > 0.0 else 0.0
 
 
 @compiled
@@ -119,6 +129,7 @@ def find_shares(
     query: NDArray[np.float64],
     radius: float,
     ridge: float,
+    is_deciding: bool,
     work: Workspace,
 ) -> int:
     """Writes the most similar options and their shares (at least 0, sum 1); returns how many."""
@@ -129,9 +140,10 @@ def find_shares(
         return 0
     width = kernel_width(work.distances[0], radius)
     for n in range(count):
-        work.kernel[n] = closeness(work.distances[n], width)
-        for d in range(query.shape[0]):
-            work.offsets[n, d] = (columns.scaled[work.ids[n], d] - query[d]) / width
+        d = work.distances[n]
+        work.kernel[n] = broad_closeness(d, width) if is_deciding else sharp_closeness(d, width)
+        for k in range(query.shape[0]):
+            work.offsets[n, k] = (columns.scaled[work.ids[n], k] - query[k]) / width
     solve_local_linear(work, count, ridge)
     total = 0.0
     for n in range(count):
@@ -158,7 +170,7 @@ def weigh_actions(
     The options stay in the work space. By path the first of them has all the say, and the second
     is there as the runner-up.
     """
-    count = find_shares(columns, first_root, query, radius, ridge, work)
+    count = find_shares(columns, first_root, query, radius, ridge, True, work)
     if not by_vote and count > 0:
         work.shares[0] = 1.0
         for n in range(1, count):

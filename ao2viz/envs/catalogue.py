@@ -40,7 +40,7 @@ _CARTPOLE_FEATURES = (
     Feature("pole angular velocity", "°/s", _DEGREES, range=4.0),
 )
 _CARTPOLE_SETTINGS: Mapping[Preset, Mapping[str, Any]] = {
-    Preset.ANTICIPATING: {"attention_width": 6.0, "levels": 3},
+    Preset.ANTICIPATING: {"attention_width": 6.0, "levels": 3, "gamma": 0.995},
     Preset.PAPER: {
         "threshold": 0.9,
         "trace_length": 5,
