@@ -22,6 +22,7 @@ from ao2viz.ui.commands import (
     SetTrainingSpeed,
 )
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
+from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.session import OTHER_ENV
 from ao2viz.ui.view import View
 
@@ -86,19 +87,18 @@ class ControlPanel:
         on_change(self._decide_by, lambda v: ChooseDecideBy(DecideBy(v)), client_id, inbox)
         self._progress = gui.add_progress_bar(0.0)
         self._status = gui.add_html("")
+        self._mirrors = {field: Mirror(handle) for field, handle in self._fields.items()}
+        self._decide_by_shown = Mirror(self._decide_by)
         for field, handle in self._fields.items():
             on_change(handle, partial(Edit, field), client_id, inbox)
 
     def sync(self, view: View) -> None:
         """Shows the view. Assigning an unchanged value sends nothing."""
         form, run = view.form, view.run
-        env = self._fields[Field.ENV]
-        options = (*view.env_ids, OTHER_ENV)
-        if env.options != options:
-            env.options = options
+        self._mirrors[Field.ENV].show_among((*view.env_ids, OTHER_ENV), form.env)
         values = (form.env, form.custom_env, form.preset.value, form.seed, form.steps)
         for field, value in zip(Field, (*values, form.file_name), strict=True):
-            self._fields[field].value = value
+            self._mirrors[field].show(value)
         self._fields[Field.CUSTOM_ENV].visible = form.env == OTHER_ENV
         for button, handle in self._buttons.items():
             handle.disabled = self._keys[button].disabled = button not in view.enabled
@@ -110,7 +110,7 @@ class ControlPanel:
             pause.icon = viser.Icon.PLAYER_PLAY if is_held else viser.Icon.PLAYER_PAUSE
         self._decide_by.disabled = not view.can_choose_decide_by
         if view.can_choose_decide_by:
-            self._decide_by.value = run.decide_by.value
+            self._decide_by_shown.show(run.decide_by.value)
         self._progress.value = 100 * _progress(run)
         self._question.visible = self._replace.visible = self._keep.visible = (
             view.overwrite is not None

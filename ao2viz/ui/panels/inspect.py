@@ -10,6 +10,7 @@ from ao2viz.envs.task import TaskSpec
 from ao2viz.ui import html
 from ao2viz.ui.commands import Select
 from ao2viz.ui.inbox import Inbox, on_change
+from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.view import View
 
 _SHOWN = 6
@@ -28,6 +29,7 @@ class InspectPanel:
         self._shown: tuple[object, ...] = ()
         self._decided = NO_OPTION
         self._search = gui.add_number("Option id", 0, min=0, max=10_000_000, step=1)
+        self._search_shown = Mirror(self._search)
         on_change(self._search, Select, client_id, inbox)
         self._take = gui.add_button("The option that decided", icon=viser.Icon.TARGET, color="gray")
 
@@ -59,7 +61,7 @@ class InspectPanel:
             gone = f"Option {chosen} was cleansed; its id will not be used again."
             self._facts.content = f'<div class="ao"><p>{gone}</p></div>'
             return
-        self._search.value = chosen
+        self._search_shown.show(chosen)
         self._facts.content = html.option(chosen, forest, spec, view.observation)
         self._parents.sync(forest.parents_of(chosen).tolist(), forest, spec)
         children = forest.children_of(chosen)

@@ -15,6 +15,7 @@ from ao2viz.ui.commands import (
 )
 from ao2viz.ui.frames import encode
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
+from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.view import View
 
 LIVE: str = "Training, live"
@@ -58,6 +59,9 @@ class WatchPanel:
         on_change(self._speed, lambda s: SetPlaySpeed(_SPEEDS[s]), client_id, inbox)
         self._slider = gui.add_slider("Step", 0, 1, 1, 0)
         on_change(self._slider, Seek, client_id, inbox)
+        self._source_shown = Mirror(self._source)
+        self._episode_shown = Mirror(self._episode)
+        self._slider_shown = Mirror(self._slider)
         self._decision = gui.add_html("")
         self._path = gui.add_html("")
 
@@ -75,11 +79,7 @@ class WatchPanel:
         for key in self._keys:
             key.disabled = not transport.is_enabled
         self._slider.disabled = not transport.is_enabled
-        if self._slider.max != max(1, transport.last):
-            # A value outside of the range must never be on the wire.
-            self._slider.value = 0
-            self._slider.max = max(1, transport.last)
-        self._slider.value = transport.position
+        self._slider_shown.show_within(max(1, transport.last), transport.position)
         pictured = view.forest_key[:2]
         if frame is not None:
             self._image._data = frame
@@ -95,13 +95,12 @@ class WatchPanel:
         shown = next((k for k, c in labels.items() if c.path == view.source), LIVE)
         if labels != self._shelf:
             self._shelf = labels
-            self._source.options = tuple(labels)
-        self._source.value = shown
+        self._source_shown.show_among(tuple(labels), shown)
         episodes = view.episodes or (_NO_EPISODE,)
-        if episodes != self._episodes:
-            self._episodes = episodes
-            self._episode.options = episodes
-        self._episode.value = episodes[min(view.episode_index, len(episodes) - 1)]
+        self._episodes = episodes
+        self._episode_shown.show_among(
+            episodes, episodes[min(view.episode_index, len(episodes) - 1)]
+        )
         self._episode.visible = view.source is not None
         self._episode.disabled = not view.episodes
 

@@ -1,0 +1,36 @@
+"""Shows a value in a control without taking back what a person has just put there."""
+
+from typing import Any
+
+
+class Mirror:
+    """Assigns a control's value when what is to be shown changes, and only then.
+
+    Between two looks at the inbox a person may have changed the control. Comparing with the
+    control would find a difference and undo the change; comparing with what was shown last does
+    not.
+    """
+
+    def __init__(self, handle: Any) -> None:
+        self.handle = handle
+        self._shown = handle.value
+
+    def show(self, value: Any) -> None:
+        """Shows a value; the same as last time changes nothing."""
+        if value != self._shown:
+            self._shown = value
+            self.handle.value = value
+
+    def show_among(self, options: tuple[str, ...], value: str) -> None:
+        """Shows a choice in a list that may have changed, which may have chosen another."""
+        if self.handle.options != options:
+            self.handle.options = options
+            self._shown = self.handle.value
+        self.show(value)
+
+    def show_within(self, largest: float, value: float) -> None:
+        """Shows a number on a slider whose range may have changed; never one beyond its end."""
+        if self.handle.max != largest:
+            self._shown = self.handle.value = self.handle.min
+            self.handle.max = largest
+        self.show(value)

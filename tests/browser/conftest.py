@@ -1,0 +1,177 @@
+"""A real Chromium on a real dashboard. A missing browser skips; where CI is set it fails."""
+
+import os
+import shutil
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+
+from ao2viz.agent import AO2
+from ao2viz.training.runner import ThreadRunner
+from ao2viz.ui.app import Dashboard
+from ao2viz.ui.view import View
+
+# WebGL is drawn by the processor; nothing is fetched from anywhere.
+FLAGS = [
+    "--no-sandbox",
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--no-first-run",
+    "--disable-component-update",
+    "--disable-sync",
+]
+# Keeps the page's own drawing from eating the processor where a test needs no pixels.
+WITHOUT_DRAWING = """
+for (const kind of [WebGLRenderingContext, WebGL2RenderingContext]) {
+  for (const name of ['drawArrays', 'drawElements', 'drawArraysInstanced',
+                      'drawElementsInstanced', 'drawRangeElements']) {
+    if (kind.prototype[name]) kind.prototype[name] = function () {};
+  }
+}
+"""
+SIZE = {"width": 1440, "height": 810}
+PATIENCE_S = 30.0
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    here = Path(__file__).parent
+    for item in items:
+        if here in item.path.parents:
+            item.add_marker(pytest.mark.browser)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item: pytest.Item):
+    report = yield
+    setattr(item, f"report_{report.when}", report)
+    return report
+
+
+@pytest.fixture(scope="session")
+def browser() -> Iterator[Browser]:
+    path = shutil.which("chromium") or shutil.which("chromium-browser")
+    path = path or shutil.which("google-chrome")
+    if path is None:
+        problem = "No Chromium on this computer."
+        if os.environ.get("CI"):
+            pytest.fail(problem)
+        pytest.skip(problem)
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        yield browser
+        browser.close()
+
+
+@pytest.fixture(scope="session")
+def shipped(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder of two small agents with recorded episodes."""
+    folder = tmp_path_factory.mktemp("agents")
+    for env_id, steps in (("CartPole-v1", 1500), ("Pendulum-v1", 500)):
+        agent = AO2(env_id, seed=0).learn(steps)
+        agent.record_episode(1)
+        agent.record_episode(2)
+        agent.save(folder / f"{env_id}.ao2")
+    return folder
+
+
+class Window:
+    """A page on a dashboard, and what the dashboard thinks that it shows."""
+
+    def __init__(self, page: Page, dashboard: Dashboard, client_id: int) -> None:
+        self.page, self.dashboard, self._client_id = page, dashboard, client_id
+
+    @property
+    def view(self) -> View:
+        return self.dashboard.views[self._client_id]
+
+    def press(self, name: str) -> None:
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def choose(self, label: str, option: str) -> None:
+        """Picks an option of the drop-down list with this label."""
+        self.field(label).click()
+        self.page.get_by_role("option", name=option).first.click()
+
+    def field(self, label: str):
+        # By its label: viser gives some of its inputs no id.
+        named = self.page.locator("label", has_text=label).first
+        return named.locator("xpath=ancestor::div[.//input][1]").locator("input:visible").first
+
+    def wait(
+        self, condition: Callable[[], bool], what: str, patience_s: float = PATIENCE_S
+    ) -> None:
+        deadline = time.monotonic() + patience_s
+        while not condition():
+            assert time.monotonic() < deadline, f"Waited in vain for {what}."
+            self.page.wait_for_timeout(50)
+
+    def text(self) -> str:
+        return self.page.locator("body").inner_text()
+
+    def wait_for_text(self, words: str, patience_s: float = PATIENCE_S) -> None:
+        self.wait(lambda: words in self.text(), repr(words), patience_s)
+
+    def hold(self) -> None:
+        """Stops a playing episode and waits until the page has caught up."""
+        if self.view.transport.is_playing:
+            self.press("Hold")
+        self.wait(lambda: not self.view.transport.is_playing, "the replay to hold")
+        self.wait_for_text(self.view.notice or f"{self.view.decision.path[-1]}")
+
+
+Open = Callable[..., Window]
+
+
+@pytest.fixture
+def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Open]:
+    """Opens pages on a dashboard; a console error fails the test, a failure keeps a screenshot."""
+    pages: list[Page] = []
+    errors: list[str] = []
+
+    def listen(message: ConsoleMessage) -> None:
+        if message.type == "error":
+            errors.append(message.text)
+
+    def open_one(dashboard: Dashboard, *, draws: bool = False, size=SIZE) -> Window:
+        known = set(dashboard.views)
+        page = browser.new_page(viewport=size)
+        pages.append(page)
+        page.on("console", listen)
+        page.on("pageerror", lambda error: errors.append(str(error)))
+        if not draws:
+            page.add_init_script(WITHOUT_DRAWING)
+        page.goto(dashboard.address)
+        page.wait_for_selector("canvas")
+        window = Window(page, dashboard, -1)
+        window.wait(lambda: set(dashboard.views) > known, "the browser to be known")
+        window._client_id = (set(dashboard.views) - known).pop()
+        page.get_by_role("button", name="Start", exact=True).wait_for()
+        notice = page.locator("button.mantine-Notification-closeButton")
+        page.wait_for_timeout(300)
+        while notice.count():  # Viser tells that WebGL is drawn by the processor.
+            notice.first.click()
+            page.wait_for_timeout(300)
+        return window
+
+    yield open_one
+    failed = getattr(request.node, "report_call", None)
+    if failed is not None and failed.failed:
+        for number, page in enumerate(pages):
+            page.screenshot(path=tmp_path / f"failure-{number}.png")
+    for page in pages:
+        page.close()
+    assert errors == []
+
+
+@pytest.fixture
+def dashboard(shipped: Path, tmp_path: Path) -> Iterator[Dashboard]:
+    """A dashboard that trains in a thread, so that nothing is compiled twice."""
+    made = Dashboard(port=0, shipped=shipped, folder=tmp_path, make_runner=ThreadRunner)
+    made.start()
+    yield made
+    made.stop()
