@@ -7,7 +7,7 @@ import pytest
 
 import ao2viz
 
-SEED = 200
+SEED = 400
 
 
 @pytest.mark.learning

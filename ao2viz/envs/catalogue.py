@@ -125,7 +125,7 @@ CATALOGUE: Mapping[str, Entry] = {
             (Feature("position"), Feature("velocity", "per step")),
             ("push left", "no push", "push right"),
             {
-                Preset.ANTICIPATING: {"attention_width": 4.0, "levels": 5},
+                Preset.ANTICIPATING: {"attention_width": 4.0, "levels": 5, "gamma": 0.995},
                 Preset.PAPER: {
                     "threshold": 0.99,
                     "trace_length": 80,
