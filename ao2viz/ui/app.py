@@ -3,6 +3,7 @@
 import contextlib
 import threading
 import time
+import traceback
 import webbrowser
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -81,6 +82,7 @@ class Dashboard:
         self._stage: Stage | None = None
         self._runner: Runner | None = None
         self._outdated: RunUpdate | None = None
+        self._last_bug = ""
         self._loop: threading.Thread | None = None
 
     @property
@@ -144,7 +146,7 @@ class Dashboard:
             try:
                 self._tick(now, now - then)
             except Exception as error:  # The screen must outlive its own bugs, and tell of them.
-                self._tell_all(Notify("Something went wrong", _describe(error), is_error=True))
+                self._tell_of_bug(error)
             then = now
             self._stopping.wait(max(0.002, TICK_S - (time.monotonic() - now)))
 
@@ -166,7 +168,12 @@ class Dashboard:
             self._sessions[client_id] = session
             if session.source is not None:
                 self._library.open(session.source)
-            browser.sync(project(session, self._world), self._gallery, self._frames)
+            try:
+                browser.sync(project(session, self._world), self._gallery, self._frames)
+            except Exception as error:  # One browser's trouble must not keep the others waiting.
+                # Handles of a browser that has just gone refuse; its Disconnect is on the way.
+                if self._server is not None and client_id in self._server.get_clients():
+                    self._tell_of_bug(error)
         keys = {b.forest_key for b in self._browsers.values() if b.forest_key is not None}
         self._gallery.keep_only(keys)
 
@@ -180,13 +187,15 @@ class Dashboard:
                 self._sessions[client_id] = follow(session, before, update)
             self._tell_about(before, update)
             self._world = replace(self._world, update=update)
-        if self._library.poll():
-            self._world = replace(self._world, opened=self._library.opened)
+        has_news = self._library.poll()
         if now >= self._relist_at:
             self._relist_at = now + _RELIST_S
+            has_news |= self._library.forget_changed()
             shelf = self._library.shelf()
             if shelf != self._world.shelf:
                 self._world = replace(self._world, shelf=shelf)
+        if has_news:
+            self._world = replace(self._world, opened=self._library.opened)
 
     def _tell_about(self, before: RunUpdate, update: RunUpdate) -> None:
         """Pops up what people must not miss: failures, refusals and where a file went."""
@@ -195,10 +204,6 @@ class Dashboard:
         if update.is_error:
             self._tell_all(Notify("Training", update.message, is_error=True))
         elif "saved" in update.message.lower():
-            for path in list(self._library.opened):
-                if path.parent == self._folder:
-                    self._library.forget(path)
-            self._world = replace(self._world, opened=self._library.opened)
             self._relist_at = 0.0
             self._tell_all(Notify("Saved", update.message))
 
@@ -240,6 +245,14 @@ class Dashboard:
                     self._world = replace(self._world, update=update)
                 self._runner.submit(effect)
 
+    def _tell_of_bug(self, error: Exception) -> None:
+        """Tells of a bug once, although it may come back with every tick."""
+        words = f"{type(error).__name__}: {error}"
+        if words != self._last_bug:
+            self._last_bug = words
+            traceback.print_exception(error)
+            self._tell_all(Notify("Something went wrong", words, is_error=True))
+
     def _tell_all(self, notice: Notify) -> None:
         for browser in list(self._browsers.values()):
             with contextlib.suppress(Exception):
@@ -279,7 +292,3 @@ def serve(
         threading.Event().wait()
     finally:
         dashboard.stop()
-
-
-def _describe(error: Exception) -> str:
-    return f"{type(error).__name__}: {error}"

@@ -165,7 +165,7 @@ def legend(spec: TaskSpec | None, view: ForestView | None) -> str:
     return (
         f'<div class="ao-legend"><b>{esc(spec.title)}</b>'
         f'<div class="ao-dim">{count(len(view), "option")} in {count(roots, "schema")} '
-        f"(discs)</div>{rows}"
+        f"({'disc' if roots == 1 else 'discs'})</div>{rows}"
         f'<div class="ao-dim">bigger: visited more often</div>'
         f'<div><span class="ao-key ao-key-path"></span>path to the most similar option</div>'
         f'<div><span class="ao-key ao-key-vote"></span>paths of other voters, by share</div>'

@@ -9,6 +9,9 @@ from ao2viz.store.files import SUFFIX, read
 from ao2viz.store.saved import SavedAgent
 from ao2viz.ui.world import LoadFailure, ShelfItem
 
+Stamp = tuple[int, int] | None
+"""Tells versions of a file apart: when it was written and its size; None if it is missing."""
+
 
 class Library:
     """Lists agent files and opens them in a thread of its own."""
@@ -24,6 +27,7 @@ class Library:
         self._shipped, self._folder, self.extra = shipped, folder, extra
         self._opening: dict[Path, Future[SavedAgent]] = {}
         self._opened: dict[Path, SavedAgent | LoadFailure] = {}
+        self._stamps: dict[Path, Stamp] = {}  # Of the opened files, when reading began.
         self._thread = ThreadPoolExecutor(1, "library")
 
     @property
@@ -50,11 +54,15 @@ class Library:
     def open(self, path: Path) -> None:
         """Begins to read a file unless it is open already."""
         if path not in self._opened and path not in self._opening:
+            self._stamps[path] = _stamp(path)
             self._opening[path] = self._thread.submit(_read, path)
 
-    def forget(self, path: Path) -> None:
-        """Reads a file anew the next time; it has been written."""
-        self._opened.pop(path, None)
+    def forget_changed(self) -> bool:
+        """Forgets files that were written since they were read; whether there was any."""
+        changed = [path for path in self._opened if _stamp(path) != self._stamps[path]]
+        for path in changed:
+            del self._opened[path]
+        return bool(changed)
 
     def poll(self) -> bool:
         """Takes over what has been read; whether there was anything."""
@@ -80,6 +88,14 @@ def _agents_in(folder: Path) -> list[Path]:
     if not folder.is_dir():
         return []
     return sorted(p for p in folder.glob(f"*{SUFFIX}") if not p.name.startswith("."))
+
+
+def _stamp(path: Path) -> Stamp:
+    try:
+        status = path.stat()
+    except OSError:
+        return None
+    return status.st_mtime_ns, status.st_size
 
 
 def _read(path: Path) -> SavedAgent:

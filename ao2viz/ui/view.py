@@ -182,4 +182,6 @@ def _status(update: RunUpdate) -> str:
             text = "Finished."
         case RunStatus.FAILED:
             text = "Stopped by an error."
+    if update.message.startswith(text.rstrip(". …")):
+        return update.message
     return f"{text} {update.message}".strip()

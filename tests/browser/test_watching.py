@@ -44,7 +44,7 @@ def test_options_have_the_colours_of_the_legend(dashboard, open_window: Open):
     def seen(rgb) -> int:
         shot = window.page.locator("canvas").first.screenshot()
         pixels = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
-        return int((np.abs(pixels - rgb).max(axis=2) < 30).sum())
+        return int((np.abs(pixels - rgb).max(axis=2) < 45).sum())
 
     window.wait(lambda: seen(blue) > 100 and seen(orange) > 100, "options in both colours")
 

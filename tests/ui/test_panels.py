@@ -193,7 +193,9 @@ def test_a_file_that_was_written_again_is_read_again(tmp_path, agent):
     library = Library(tmp_path, tmp_path)
     try:
         before = opened(library, path)
-        library.forget(path)
+        assert not library.forget_changed()
+        agent.save(path)
+        assert library.forget_changed()
         assert opened(library, path) is not before
     finally:
         library.close()
