@@ -60,7 +60,7 @@ def explain(decision: Decision, spec: TaskSpec, view: ForestView | None = None) 
     marks = []
     if decision.explored:
         marks.append("explored")
-    if decision.is_tie:
+    if decision.is_tie and len(decision.voters):
         marks.append("tie")
     if decision.created != NO_OPTION:
         marks.append(f"new option {decision.created}")

@@ -59,7 +59,8 @@ class Library:
 
     def forget_changed(self) -> bool:
         """Forgets files that were written since they were read; whether there was any."""
-        changed = [path for path in self._opened if _stamp(path) != self._stamps[path]]
+        # One that is gone is shown for as long as somebody watches it.
+        changed = [p for p in self._opened if _stamp(p) not in {self._stamps[p], None}]
         for path in changed:
             del self._opened[path]
         return bool(changed)

@@ -52,8 +52,9 @@ def pytest_runtest_makereport(item: pytest.Item):
     return report
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
+    """One for each module: Playwright keeps an event loop that would disturb other tests."""
     path = shutil.which("chromium") or shutil.which("chromium-browser")
     path = path or shutil.which("google-chrome")
     if path is None:
@@ -119,7 +120,9 @@ class Window:
     def hold(self) -> None:
         """Stops a playing episode and waits until the page has caught up."""
         if self.view.transport.is_playing:
-            self.press("Hold")
+            # By key: Playwright clicks only what stands still for two frames, and a page that
+            # the processor draws while it plays may take long for two frames.
+            self.page.keyboard.press("p")
         self.wait(lambda: not self.view.transport.is_playing, "the replay to hold")
         self.wait_for_text(self.view.notice or f"{self.view.decision.path[-1]}")
 

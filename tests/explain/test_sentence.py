@@ -80,7 +80,7 @@ def test_a_new_option_is_mentioned():
 
 
 def test_nothing_is_compared_while_there_are_no_options():
-    explanation = explain(no_options(created=0), SPEC, small_view())
+    explanation = explain(no_options(created=0, is_tie=True), SPEC, small_view())
     assert explanation.reason == "There were no options to ask yet, so it was drawn at random."
     assert explanation.marks == ("explored", "new option 0")
     assert path_steps(no_options(), SPEC, small_view()) == ()

@@ -196,6 +196,10 @@ def test_a_file_that_was_written_again_is_read_again(tmp_path, agent):
         assert not library.forget_changed()
         agent.save(path)
         assert library.forget_changed()
-        assert opened(library, path) is not before
+        after = opened(library, path)
+        assert after is not before
+        path.unlink()
+        assert not library.forget_changed()  # What somebody watches stays.
+        assert library.opened[path] is after
     finally:
         library.close()

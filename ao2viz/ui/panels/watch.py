@@ -72,10 +72,11 @@ class WatchPanel:
         for to, button in self._buttons.items():
             button.disabled = not transport.is_enabled
             if to is Transport.PLAY:
-                icon = "PLAYER_PAUSE" if transport.is_playing else "PLAYER_PLAY"
+                is_playing = transport.is_playing and transport.is_enabled
+                icon = "PLAYER_PAUSE" if is_playing else "PLAYER_PLAY"
                 if button.icon != getattr(viser.Icon, icon):
                     button.icon = getattr(viser.Icon, icon)
-                    button.label = "Hold" if transport.is_playing else "Play"
+                    button.label = "Hold" if is_playing else "Play"
         for key in self._keys:
             key.disabled = not transport.is_enabled
         self._slider.disabled = not transport.is_enabled
@@ -92,6 +93,8 @@ class WatchPanel:
         labels = {item.label: ChooseSource(item.path) for item in view.shelf}
         if view.has_run or not labels:
             labels[LIVE] = ChooseSource(None)
+        if view.source is not None and ChooseSource(view.source) not in labels.values():
+            labels[f"{view.source.stem} (file is gone)"] = ChooseSource(view.source)
         shown = next((k for k, c in labels.items() if c.path == view.source), LIVE)
         if labels != self._shelf:
             self._shelf = labels
