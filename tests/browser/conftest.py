@@ -154,10 +154,15 @@ def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path
         window.wait(lambda: set(dashboard.views) > known, "the browser to be known")
         window._client_id = (set(dashboard.views) - known).pop()
         page.get_by_role("button", name="Start", exact=True).wait_for()
+        # Viser tells that WebGL is drawn by the processor; the notice slides in, so it is not
+        # clicked like a button that stands still.
         notice = page.locator("button.mantine-Notification-closeButton")
         page.wait_for_timeout(300)
-        while notice.count():  # Viser tells that WebGL is drawn by the processor.
-            notice.first.click()
+        while notice.count():
+            page.evaluate(
+                "document.querySelectorAll('button.mantine-Notification-closeButton')"
+                ".forEach(button => button.click())"
+            )
             page.wait_for_timeout(300)
         return window
 

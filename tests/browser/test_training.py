@@ -20,7 +20,7 @@ def start(window: Window, steps: int) -> None:
 
 def test_a_forest_grows_pauses_is_saved_and_reloaded(dashboard, open_window: Open, tmp_path):
     window = open_window(dashboard)
-    start(window, 100_000)
+    start(window, 5_000_000)
     assert window.view.source is None
     window.wait(lambda: window.view.run.n_steps > 1_000, "steps", 120)
     early = len(window.view.forest)
@@ -83,7 +83,7 @@ def test_cartpole_is_trained_to_success(dashboard, open_window: Open):
 
 def test_a_second_browser_joins_the_run(dashboard, open_window: Open):
     one = open_window(dashboard)
-    start(one, 50_000)
+    start(one, 5_000_000)
     two = open_window(dashboard)
     assert two.view.source is None
     two.wait(lambda: two.view.run.n_steps > 300, "the run in the second browser", 60)
