@@ -82,7 +82,7 @@ class ControlPanel:
         self._decide_by = gui.add_dropdown(
             "Decide by",
             tuple(d.value for d in DecideBy),
-            hint="vote: up to 16 similar options; path: the most similar option alone.",
+            hint="vote: the most similar options together; path: the most similar option alone.",
         )
         on_change(self._decide_by, lambda v: ChooseDecideBy(DecideBy(v)), client_id, inbox)
         self._progress = gui.add_progress_bar(0.0)
