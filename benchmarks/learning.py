@@ -2,7 +2,7 @@
 
 Prints the tables of docs/results.md.
 
-    python benchmarks/learning.py --seeds 300:305
+    python -m benchmarks.learning --seeds 300:305
 """
 
 import argparse

@@ -3,7 +3,7 @@
 Every rival answers the same queries over the same options, one after the other in one run, so
 that the ratios hold on a busy machine. Answers are compared before anything is timed.
 
-    python benchmarks/search.py --sizes 1000,10000,100000,1000000 --features 4,6
+    python -m benchmarks.search --sizes 1000,10000,100000,1000000 --features 4,6
 
 Needs the extra `bench` (SciPy and faiss).
 """
