@@ -19,7 +19,7 @@ from ao2viz.core.experience import allocate_experience, record
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
 from ao2viz.core.imagination import Rules, allocate_imagination
-from ao2viz.core.inference import choose_action, decide, make_workspace, weigh_actions
+from ao2viz.core.inference import act, decide, make_workspace
 from ao2viz.core.regrowth import regrow
 from ao2viz.core.search import ANY_ACTION, find_nearest
 from ao2viz.core.transition import Transition
@@ -117,18 +117,14 @@ class AnticipatingLearner:
 
     def act_at(self, observation: NDArray[np.float64]) -> int:
         """The action of `decide_at`; see `Learner`."""
-        forest, values = self._forest, np.zeros(self._n_actions)
-        weigh_actions(
-            forest.columns,
-            forest.heads[0],
-            forest.attention * observation,
-            self.config.decide_by is DecideBy.VOTE,
+        return act(
+            self._forest,
+            observation,
+            self.config.decide_by,
             self._rules.radius,
             self._rules.share_ridge,
             self._work,
-            values,
         )
-        return choose_action(values, observation)[0]
 
     def sleep(self) -> None:
         """Imagines everything anew and lets the values settle; see `Learner`."""

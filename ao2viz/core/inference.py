@@ -215,6 +215,19 @@ def choose_action(
     return int(tied[crc32(observation.tobytes()) % len(tied)]), True
 
 
+def act(
+    forest: Forest,
+    observation: NDArray[np.float64],
+    decide_by: DecideBy,
+    radius: float,
+    ridge: float,
+    work: Workspace,
+) -> int:
+    """The action of `decide`, without the record of what led to it; for long evaluations."""
+    action_values, _ = _weigh(forest, observation, decide_by, radius, ridge, work)
+    return choose_action(action_values, observation)[0]
+
+
 def decide(
     forest: Forest,
     observation: NDArray[np.float64],
@@ -227,18 +240,13 @@ def decide(
 
     With an empty forest nobody speaks, every action is expected to earn 0, and it is a tie.
     """
-    query = forest.attention * observation
-    action_values = np.zeros(forest.n_actions)
-    by_vote = decide_by is DecideBy.VOTE
-    count = weigh_actions(
-        forest.columns, forest.heads[0], query, by_vote, radius, ridge, work, action_values
-    )
-    speaking = count if by_vote else min(count, 1)
+    action_values, count = _weigh(forest, observation, decide_by, radius, ridge, work)
+    speaking = count if decide_by is DecideBy.VOTE else min(count, 1)
     voters = work.ids[:speaking].copy()
     length = int(forest.columns.depths[voters].max()) + 1 if speaking else 0
     paths = np.full((speaking, length), NO_OPTION, np.int64)
     distances = np.full((speaking, length), np.nan)
-    trace_paths(forest.columns, query, voters, paths, distances)
+    trace_paths(forest.columns, forest.attention * observation, voters, paths, distances)
     best, is_tie = choose_action(action_values, observation)
     return Decision(
         observation=observation,
@@ -255,3 +263,26 @@ def decide(
         explored=False,
         is_tie=is_tie,
     )
+
+
+def _weigh(
+    forest: Forest,
+    observation: NDArray[np.float64],
+    decide_by: DecideBy,
+    radius: float,
+    ridge: float,
+    work: Workspace,
+) -> tuple[NDArray[np.float64], int]:
+    """What each action is expected to earn [A], and how many options were looked at."""
+    action_values = np.zeros(forest.n_actions)
+    count = weigh_actions(
+        forest.columns,
+        forest.heads[0],
+        forest.attention * observation,
+        decide_by is DecideBy.VOTE,
+        radius,
+        ridge,
+        work,
+        action_values,
+    )
+    return action_values, count

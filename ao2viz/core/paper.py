@@ -14,7 +14,7 @@ from ao2viz.core.config import Credit, PaperConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
-from ao2viz.core.inference import choose_action, decide, make_workspace, weigh_actions
+from ao2viz.core.inference import act, decide, make_workspace
 
 
 class PaperLearner:
@@ -91,18 +91,14 @@ class PaperLearner:
 
     def act_at(self, observation: NDArray[np.float64]) -> int:
         """The action of `decide_at`; see `Learner`."""
-        forest, values = self._forest, np.zeros(self._n_actions)
-        weigh_actions(
-            forest.columns,
-            forest.heads[0],
-            forest.attention * observation,
-            self.config.decide_by is DecideBy.VOTE,
+        return act(
+            self._forest,
+            observation,
+            self.config.decide_by,
             self._radius,
             self.config.share_ridge,
             self._work,
-            values,
         )
-        return choose_action(values, observation)[0]
 
     def sleep(self) -> None:
         """The paper knows no sleep; nothing is left to settle."""

@@ -203,7 +203,8 @@ def _actions(
     grid = np.array(list(itertools.product(*axes)), np.float64)
     word = "torque" if env_id.startswith("Pendulum") else "action"
     names = tuple(
-        f"{word} " + ", ".join(f"{x:+.3g}".replace("-", "−") for x in row) for row in grid
+        f"{word} " + ", ".join(f"{x:+.3g}".replace("-", "−") if x else "0" for x in row)
+        for row in grid
     )
     return names, grid, 0, bins
 

@@ -82,7 +82,7 @@ def test_continuous_actions_become_a_grid(dims, bins):
 def test_action_bins_choose_the_grid():
     spec = describe(make_env("Pendulum-v1"), 3)
     assert spec.action_grid.ravel().tolist() == [-2, 0, 2]
-    assert spec.action_names == ("torque −2", "torque +0", "torque +2")
+    assert spec.action_names == ("torque −2", "torque 0", "torque +2")
 
 
 def test_discrete_actions_may_start_anywhere():
