@@ -1,5 +1,8 @@
 """The agent really learns; loose bounds on one seed, docs/results.md has the figures of five.
 
+They are far from what acting at random earns (CartPole 22, Pendulum −1,200, the others their time
+limit) and below what single seeds spread to.
+
 The seed is one that was never looked at while the settings were found.
 """
 
@@ -14,7 +17,7 @@ SEED = 400
 @pytest.mark.parametrize(
     ("env_id", "steps", "bound"),
     [
-        ("CartPole-v1", 20_000, 450.0),
+        ("CartPole-v1", 20_000, 400.0),
         ("Pendulum-v1", 10_000, -175.0),
         ("MountainCar-v0", 20_000, -135.0),
         ("Acrobot-v1", 20_000, -115.0),

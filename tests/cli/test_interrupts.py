@@ -1,6 +1,7 @@
 """Ctrl-C, and other ways in which a long command may not end as it was meant to."""
 
 import signal
+import time
 from pathlib import Path
 
 import pytest
@@ -37,6 +38,7 @@ def test_what_cannot_be_saved_where_it_should_is_saved_elsewhere(
     process = start(tmp_path, "train", "CartPole-v1", *FOREVER, "--out", "folder/a.ao2")
     while not (tmp_path / "folder").is_dir() and process.poll() is None:
         pass
+    time.sleep(3)  # The folder is tried out before training begins; only then it goes away.
     (tmp_path / "folder").rename(tmp_path / "moved")
     (tmp_path / "folder").write_text("in the way")
     output, errors = interrupt(process, 4)
