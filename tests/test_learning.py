@@ -1,11 +1,9 @@
-"""The agent really learns; loose bounds on one seed, docs/results.md has the figures of five.
+"""The agent really learns; docs/results.md has the figures that are claimed, of five seeds each.
 
-They are far from what acting at random earns (CartPole 22, Pendulum −1,200, the others their time
-limit) and below what single seeds spread to.
-
-The seed is one that was never looked at while the settings were found.
+The seeds here were never looked at while the settings were found.
 """
 
+import numpy as np
 import pytest
 
 import ao2viz
@@ -15,21 +13,24 @@ SEED = 400
 
 @pytest.mark.learning
 @pytest.mark.parametrize(
-    ("env_id", "steps", "bound"),
+    ("env_id", "steps", "n_seeds", "bound"),
     [
-        ("CartPole-v1", 20_000, 400.0),
-        ("Pendulum-v1", 10_000, -175.0),
-        ("MountainCar-v0", 20_000, -135.0),
-        ("Acrobot-v1", 20_000, -115.0),
+        # Single seeds of CartPole-v1 spread too far for one to tell anything.
+        ("CartPole-v1", 20_000, 3, 450.0),
+        ("Pendulum-v1", 10_000, 1, -175.0),
+        ("MountainCar-v0", 20_000, 1, -135.0),
+        ("Acrobot-v1", 20_000, 1, -115.0),
     ],
 )
-def test_anticipating_learns(env_id, steps, bound):
-    agent = ao2viz.AO2(env_id, seed=SEED).learn(steps)
-    assert agent.evaluate(episodes=50).mean() >= bound
+def test_anticipating_learns(env_id, steps, n_seeds, bound):
+    returns = [
+        ao2viz.AO2(env_id, seed=SEED + i).learn(steps).evaluate(episodes=50).mean()
+        for i in range(n_seeds)
+    ]
+    assert np.mean(returns) >= bound, returns
 
 
 @pytest.mark.learning
 def test_the_paper_preset_learns_to_balance():
     agent = ao2viz.AO2("CartPole-v0", preset="paper", seed=SEED).learn(60_000)
-    # Acting at random earns about 22.
     assert agent.evaluate(episodes=50).mean() >= 90.0

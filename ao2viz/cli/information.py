@@ -70,7 +70,7 @@ def run_list(folder: Path | None, *, as_json: bool) -> None:
     table = Table(box=None, pad_edge=False)
     for heading in ("File", "Environment", "Preset"):
         table.add_column(heading, overflow="fold")
-    for heading in ("Steps", "Options", "Recorded", "Return", "Bytes"):
+    for heading in ("Steps", "Options", "Recorded", "Training return", "Bytes"):
         table.add_column(heading, justify="right")
     for summary in found:
         table.add_row(*_list_cells(summary))

@@ -21,7 +21,6 @@ PATH: Rgb = (255, 74, 178)
 """The path of a decision; no colouring of options comes near this pink."""
 EDGE: Rgb = (70, 80, 98)
 SELECTED: Rgb = (255, 255, 255)
-CANVAS: Rgb = (17, 20, 26)
 
 
 def action_colors(n_actions: int, *, is_ordered: bool) -> NDArray[np.uint8]:

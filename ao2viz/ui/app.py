@@ -100,11 +100,6 @@ class Dashboard:
         return f"http://{host}:{self.port}/{token}"
 
     @property
-    def sessions(self) -> Mapping[int, Session]:
-        """What each browser chose, by client id; for tests."""
-        return dict(self._sessions)
-
-    @property
     def views(self) -> Mapping[int, View]:
         """What each browser shows, by client id; for tests."""
         return {i: project(session, self._world) for i, session in self._sessions.items()}

@@ -45,7 +45,6 @@ class View:
     spec: TaskSpec | None
     forest: ForestView | None
     forest_key: ForestKey
-    is_live: bool  # The forest may still grow.
     decision: Decision | None
     observation: NDArray[np.float64] | None  # What is seen at this moment.
     episode: Episode | None
@@ -94,7 +93,6 @@ def project(session: Session, world: World) -> View:
         spec=update.spec if is_run else (agent.spec if agent else None),
         forest=forest,
         forest_key=(kind, name, session.tidies),
-        is_live=is_run,
         decision=decision,
         observation=observation,
         episode=episode,
