@@ -12,15 +12,16 @@ from numpy.typing import NDArray
 from ao2viz.core.accommodation import MAX_LINKS, find_parent
 from ao2viz.core.arrays import Arrays, take_array
 from ao2viz.core.assimilation import assimilate, imagine_all, keep_stories, settle
-from ao2viz.core.attention import RunningSpread, attention_from
+from ao2viz.core.attention import RunningSpread, attention_from, has_changed
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.experience import allocate_experience, record
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
-from ao2viz.core.imagination import Rules, allocate_imagination
+from ao2viz.core.imagination import Rules, allocate_imagination, worth_of
 from ao2viz.core.inference import act, decide, make_workspace
 from ao2viz.core.regrowth import regrow
+from ao2viz.core.relevance import find_relevance
 from ao2viz.core.search import ANY_ACTION, find_nearest
 from ao2viz.core.transition import Transition
 
@@ -46,7 +47,7 @@ class AnticipatingLearner:
         self._n_actions = n_actions
         self._rules = _rules_of(config)
         self._spread = RunningSpread(self._n_features)
-        self._grown_at = np.zeros(self._n_features)  # Deviations when attention was last set.
+        self._grown_at = np.zeros(self._n_features)  # Deviations that attention is measured by.
         self._next_check = config.warmup_steps
         self._waiting: list[Transition] = []  # Warm-up steps not learned from yet.
         self._cursors = np.zeros(2, np.int64)
@@ -151,7 +152,7 @@ class AnticipatingLearner:
         n = self._forest.n_rows
         imagination = self._imagination._asdict()
         experience = self._experience._asdict()
-        del imagination["value"]  # The greatest weight: follows from the weights.
+        del imagination["value"]  # Follows from the weights.
         return {
             **self._forest.get_state(),
             **{f"experience_{name}": array[:n].copy() for name, array in experience.items()},
@@ -181,7 +182,8 @@ class AnticipatingLearner:
             ends = getattr(imagination, name)[:n]
             if ((ends < NO_OPTION) | (ends >= n)).any():
                 raise ValueError(f"Expected option ids below {n} in imagination_{name}.")
-        imagination.value[:n] = forest.columns.weights[:n].max(axis=1, initial=-np.inf)
+        for option in range(n):
+            imagination.value[option] = worth_of(forest.columns.weights[option], self.config.slip)
         counters = take_array(state, "counters", (4,), np.int64)
         spread = take_array(state, "spread", (3, d), np.float64)
         grown_at = take_array(state, "grown_at", (d,), np.float64)
@@ -348,18 +350,25 @@ class AnticipatingLearner:
         self._next_check = 2 * self.config.warmup_steps
 
     def _check_attention(self, events: list[GrowthEvent]) -> None:
-        """Widens the attention where the world turned out wider, and regrows the forest."""
+        """Regrows the forest if attention has become too narrow, or looks past what matters."""
         while self._next_check <= self.n_steps:
             self._next_check *= 2
+        growth = 1.0 + self.config.attention_growth
         deviation = self._spread.deviation
-        if (deviation <= (1.0 + self.config.attention_growth) * self._grown_at).all():
+        if (deviation > growth * self._grown_at).any():
+            self._grown_at = np.maximum(deviation, self._grown_at)
+        attention = attention_from(self._grown_at, self.config.attention_width)
+        if self.config.attention_relevance > 0.0:
+            known = (self._imagination.steps[: self._forest.n_rows] > 0).all(axis=1)
+            relevance = find_relevance(self._forest, known, attention)
+            attention *= relevance**self.config.attention_relevance
+        if not has_changed(self._forest.attention, attention, growth):
             return
-        self._grown_at = np.maximum(deviation, self._grown_at)
         events += regrow(
             self._forest,
             self._experience,
             self._imagination,
-            attention_from(self._grown_at, self.config.attention_width),
+            attention,
             self._rules,
             self.n_steps,
         )
@@ -377,4 +386,5 @@ def _rules_of(config: AnticipatingConfig) -> Rules:
         imagine_limit=config.imagine_limit,
         refreshes=config.refreshes,
         backups=config.backups,
+        slip=config.slip,
     )

@@ -27,7 +27,7 @@ def imagine_all(
     """Imagines every action of one option, then renews its weights."""
     for a in range(columns.weights.shape[1]):
         imagine(columns, experience, imagination, first_root, option, a, rules, work)
-    backup(columns, imagination, option)
+    backup(columns, imagination, option, rules.slip)
 
 
 @compiled
@@ -52,7 +52,7 @@ def assimilate(
     n_rows = heads[1]
     imagine(columns, experience, imagination, heads[0], option, action, rules, work)
     for n in range(recent.shape[0] - 1, -1, -1):
-        backup(columns, imagination, recent[n])
+        backup(columns, imagination, recent[n], rules.slip)
     for _ in range(rules.refreshes):
         cursors[0] -= 1
         if cursors[0] < 0 or cursors[0] >= n_rows * n_actions:
@@ -74,7 +74,7 @@ def assimilate(
         if cursors[1] < 0 or cursors[1] >= n_rows:
             cursors[1] = n_rows - 1
         if columns.is_alive[cursors[1]]:
-            backup(columns, imagination, cursors[1])
+            backup(columns, imagination, cursors[1], rules.slip)
 
 
 @compiled
@@ -96,7 +96,7 @@ def settle(
         moved, largest = 0.0, 0.0
         for option in range(heads[1] - 1, -1, -1):
             if columns.is_alive[option]:
-                moved = max(moved, backup(columns, imagination, option))
+                moved = max(moved, backup(columns, imagination, option, rules.slip))
                 largest = max(largest, abs(imagination.value[option]))
         if moved <= _SETTLED * largest:
             return sweep + 1

@@ -1,4 +1,4 @@
-"""Attention: how much each feature counts, found from how much it varies."""
+"""Attention: how much each feature counts, found at first from how much it varies."""
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,3 +34,11 @@ def attention_from(deviation: NDArray[np.float64], width: float) -> NDArray[np.f
     """
     varies = deviation > 1e-12
     return np.where(varies, 1.0 / (width * np.where(varies, deviation, 1.0)), 0.0)
+
+
+def has_changed(old: NDArray[np.float64], new: NDArray[np.float64], factor: float) -> bool:
+    """Whether any feature's attention [D] is `factor` times what it was, or less than 1/factor."""
+    if ((old > 0) != (new > 0)).any():
+        return True
+    ratio = new[old > 0] / old[old > 0]
+    return bool((np.maximum(ratio, 1.0 / ratio) > factor).any())

@@ -37,14 +37,16 @@ class AnticipatingConfig:
     levels: int = 3  # Halvings of similarity from a root (radius 1) to the finest option.
     attention_width: float = 4.0  # One unit of distance is this many standard deviations.
     warmup_steps: int = 250  # Random steps before the first attention is set.
-    attention_growth: float = 0.15  # Regrow when a standard deviation grew by this fraction.
+    attention_relevance: float = 1.0  # How far attention goes to what the choice depends on.
+    attention_growth: float = 0.15  # Regrow when attention is due to change by this fraction.
     epsilon_start: float = 1.0  # Chance of a random action at first, in [0, 1].
     epsilon_end: float = 0.03  # Chance of a random action from `epsilon_steps` on, in [0, 1].
     epsilon_steps: int = 5_000  # Steps over which exploration falls.
     voters: int = 16  # The most options that speak in a vote or a prediction.
     experience_cap: int = 20  # Visits after which a running mean forgets the oldest.
     effect_ridge: float = 0.01  # Steadies the local linear prediction of what follows.
-    share_ridge: float = 0.1  # Steadies the local linear shares of a vote.
+    share_ridge: float = 0.02  # Steadies the local linear shares of a vote.
+    slip: float = 0.05  # Chance of a random action that every value reckons with.
     imagine_limit: int = 20  # The most repetitions of an action while imagining.
     trace_length: int = 20  # Latest options whose weights are renewed after each step.
     refreshes: int = 4  # Imaginations renewed elsewhere after each step.
@@ -80,6 +82,7 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "gamma": (1e-6, 1.0),
     "levels": (0, 12),
     "attention_width": (1e-3, 1e6),
+    "attention_relevance": (0.0, 4.0),
     "warmup_steps": (1, 10**9),
     "attention_growth": (1e-6, 1e6),
     "epsilon_start": (0.0, 1.0),
@@ -89,6 +92,7 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "experience_cap": (1, 10**9),
     "effect_ridge": (1e-9, 1e6),
     "share_ridge": (1e-9, 1e6),
+    "slip": (0.0, 1.0),
     "imagine_limit": (1, 10_000),
     "trace_length": (1, 10_000),
     "refreshes": (0, 10_000),

@@ -27,6 +27,7 @@ class Rules(NamedTuple):
     imagine_limit: int
     refreshes: int
     backups: int
+    slip: float
 
 
 class Imagination(NamedTuple):
@@ -40,7 +41,7 @@ class Imagination(NamedTuple):
     story_reward: NDArray[np.float64]  # [C, A] of the best real trace from here; NaN: none kept.
     story_discount: NDArray[np.float64]  # [C, A]
     story_end: NDArray[np.int64]  # [C, A] the option where that trace ended, or NO_OPTION.
-    value: NDArray[np.float64]  # [C] the greatest weight.
+    value: NDArray[np.float64]  # [C] what it is worth to be here; see `worth_of`.
 
 
 def allocate_imagination(capacity: int, n_actions: int, voters: int) -> Imagination:
@@ -108,13 +109,12 @@ def imagine(
 
 
 @compiled
-def backup(columns: Columns, imagination: Imagination, option: int) -> float:
+def backup(columns: Columns, imagination: Imagination, option: int, slip: float) -> float:
     """Renews an option's weights from its stories; returns by how much its value moved.
 
     A weight is what the imagined story earns plus what is expected where it ends, or what the
     best real trace earned, if that is more. Where nothing is known it is 0.
     """
-    best = -np.inf
     for a in range(columns.weights.shape[1]):
         weight = 0.0
         known = imagination.steps[option, a] > 0
@@ -130,10 +130,25 @@ def backup(columns: Columns, imagination: Imagination, option: int) -> float:
         if not np.isnan(story) and (not known or story > weight):
             weight = story
         columns.weights[option, a] = weight
-        best = max(best, weight)
-    change = abs(best - imagination.value[option])
-    imagination.value[option] = best
+    worth = worth_of(columns.weights[option], slip)
+    change = abs(worth - imagination.value[option])
+    imagination.value[option] = worth
     return change
+
+
+@compiled
+def worth_of(weights: NDArray[np.float64], slip: float) -> float:
+    """The value of being where these weights [A] hold: the best one's, were it not for a slip.
+
+    With a chance of `slip` any action is taken, which is the value of an epsilon-soft policy
+    (Sutton and Barto, Reinforcement Learning, 2nd edition, section 5.4). So a place from which
+    one slip is fatal is worth less than a safe one, long before the danger is near.
+    """
+    best, total = -np.inf, 0.0
+    for a in range(weights.shape[0]):
+        total += weights[a]
+        best = max(best, weights[a])
+    return (1.0 - slip) * best + slip * total / weights.shape[0]
 
 
 @compiled

@@ -68,15 +68,14 @@ def broad_closeness(d: float, width: float) -> float:
 
 
 @compiled
-def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
-    """Shares whose weighted sum is the local linear (ridge) regression's value at the query.
+def factor_local_linear(work: Workspace, count: int, ridge: float) -> None:
+    """Readies `normal` for a local linear regression around the query.
 
-    Reads `kernel` and `offsets`, writes `shares`, which add up to 1 but may be negative. Source:
-    Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, section 6.1.1
-    (equivalent kernel), with a ridge on the slopes.
+    Reads `kernel` and `offsets`; `normal` becomes the Cholesky factor (lower triangle) of the
+    normal equations, with a ridge on the slopes.
     """
     d1 = work.offsets.shape[1] + 1
-    a, c = work.normal, work.solution
+    a = work.normal
     total = 0.0
     for i in range(d1):
         for j in range(i + 1):
@@ -94,7 +93,7 @@ def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
     a[0, 0] = total
     for i in range(1, d1):
         a[i, i] += ridge * total
-    # Cholesky, in place in the lower triangle; the ridge keeps every pivot positive.
+    # The ridge keeps every pivot positive.
     for j in range(d1):
         s = a[j, j]
         for k2 in range(j):
@@ -105,8 +104,15 @@ def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
             for k2 in range(j):
                 s -= a[i, k2] * a[j, k2]
             a[i, j] = s / a[j, j]
+
+
+@compiled
+def solve_factored(work: Workspace) -> None:
+    """Solves the equations readied by `factor_local_linear` for `solution`, in place."""
+    a, c = work.normal, work.solution
+    d1 = c.shape[0]
     for i in range(d1):
-        s = 1.0 if i == 0 else 0.0
+        s = c[i]
         for j in range(i):
             s -= a[i, j] * c[j]
         c[i] = s / a[i, i]
@@ -115,9 +121,24 @@ def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
         for j in range(i + 1, d1):
             s -= a[j, i] * c[j]
         c[i] = s / a[i, i]
+
+
+@compiled
+def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
+    """Shares whose weighted sum is the local linear (ridge) regression's value at the query.
+
+    Reads `kernel` and `offsets`, writes `shares`, which add up to 1 but may be negative. Source:
+    Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, section 6.1.1
+    (equivalent kernel), with a ridge on the slopes.
+    """
+    c = work.solution
+    factor_local_linear(work, count, ridge)
+    c[:] = 0.0
+    c[0] = 1.0
+    solve_factored(work)
     for n in range(count):
         s = c[0]
-        for i in range(1, d1):
+        for i in range(1, c.shape[0]):
             s += c[i] * work.offsets[n, i - 1]
         work.shares[n] = s * work.kernel[n]
 

@@ -40,7 +40,13 @@ _CARTPOLE_FEATURES = (
     Feature("pole angular velocity", "°/s", _DEGREES, range=4.0),
 )
 _CARTPOLE_SETTINGS: Mapping[Preset, Mapping[str, Any]] = {
-    Preset.ANTICIPATING: {"attention_width": 6.0, "levels": 3, "gamma": 0.995},
+    Preset.ANTICIPATING: {
+        "attention_width": 6.0,
+        "levels": 3,
+        "gamma": 0.995,
+        "refreshes": 8,
+        "backups": 200,
+    },
     Preset.PAPER: {
         "threshold": 0.9,
         "trace_length": 5,
@@ -105,6 +111,7 @@ CATALOGUE: Mapping[str, Entry] = {
             {
                 Preset.ANTICIPATING: {
                     "attention_width": 4.0,
+                    "slip": 0.0,
                     "levels": 3,
                     "voters": 32,
                     "story_length": 40,

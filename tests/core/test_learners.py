@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 from ao2viz.core.agent import make_learner
+from ao2viz.core.attention import attention_from
 from ao2viz.core.config import Preset, make_config
 from ao2viz.core.decision import NO_OPTION, DecideBy
 from ao2viz.core.growth import GrowthKind
+from ao2viz.core.imagination import worth_of
 
 RANGES = np.array([2.0, 2.0])
 # Small enough to be quick, and the forest is regrown at least once.
@@ -271,3 +273,22 @@ def test_runner_up_option_is_none_when_there_is_only_one():
     decision = learner.decide()
     assert decision.runner_up_option == NO_OPTION
     assert np.isnan(decision.runner_up_distance)
+
+
+def test_a_slip_makes_a_place_worth_less_the_more_it_could_cost():
+    assert worth_of(np.array([10.0, 10.0]), 0.1) == pytest.approx(10.0)
+    assert worth_of(np.array([0.0, 10.0]), 0.1) == pytest.approx(9.5)
+    assert worth_of(np.array([0.0, 10.0]), 0.0) == 10.0
+    assert worth_of(np.array([3.0, 6.0, 0.0]), 1.0) == pytest.approx(3.0)
+
+
+def test_attention_follows_what_the_choice_depends_on_and_not_only_the_spread():
+    spread = grown(Preset.ANTICIPATING, 3000, attention_relevance=0.0)
+    chosen = grown(Preset.ANTICIPATING, 3000)
+    chosen._forest.check_invariants()
+    by_spread = attention_from(spread._grown_at, spread.config.attention_width)
+    by_choice = attention_from(chosen._grown_at, chosen.config.attention_width)
+    np.testing.assert_allclose(spread.view().attention, by_spread)
+    relevance = chosen.view().attention / by_choice
+    assert (np.abs(np.log(relevance)) > np.log(1.15)).any()
+    np.testing.assert_allclose(np.log(relevance).mean(), 0.0, atol=1e-9)
