@@ -359,8 +359,7 @@ class AnticipatingLearner:
             self._grown_at = np.maximum(deviation, self._grown_at)
         attention = attention_from(self._grown_at, self.config.attention_width)
         if self.config.attention_relevance > 0.0:
-            known = (self._imagination.steps[: self._forest.n_rows] > 0).all(axis=1)
-            relevance = find_relevance(self._forest, known, attention)
+            relevance = find_relevance(self._forest, self._imagination.steps, attention)
             attention *= relevance**self.config.attention_relevance
         if not has_changed(self._forest.attention, attention, growth):
             return

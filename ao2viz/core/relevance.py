@@ -27,16 +27,17 @@ _LIMIT = 4.0  # No feature counts more than this many times its share by varianc
 
 
 def find_relevance(
-    forest: Forest, known: NDArray[np.bool_], attention: NDArray[np.float64]
+    forest: Forest, steps: NDArray[np.int32], attention: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """How much more than its share by variance each feature deserves, [D], geometric mean 1.
 
-    `known` [N] tells the options whose weights are all imagined; `attention` [D] is the one that
-    variance alone would give. Slopes are measured in its units, not in those of the forest's own
+    `steps` [C, A] is what `Imagination` has: only options all of whose weights were imagined are
+    asked. `attention` [D] is the one that variance alone would give. Slopes are measured in its units, not in those of the forest's own
     attention: else each measurement would sharpen the last. All 1 while too little is known.
     """
     relevance = np.ones(len(attention))
-    options = np.flatnonzero(known & forest.columns.is_alive[: forest.n_rows])
+    is_known = np.all(steps[: forest.n_rows] > 0, axis=1)
+    options = np.flatnonzero(is_known & forest.columns.is_alive[: forest.n_rows])
     if len(options) < _NEIGHBOURS:
         return relevance
     weights = forest.columns.weights[options]

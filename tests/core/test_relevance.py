@@ -21,7 +21,7 @@ def grown_forest(advantage, n=300, units=(1.0, 1.0, 1.0), seed=0):
 
 
 def relevance_of(forest, attention=(1.0, 1.0, 1.0)):
-    return find_relevance(forest, np.ones(forest.n_rows, bool), np.array(attention))
+    return find_relevance(forest, np.ones((forest.n_rows, 2), np.int32), np.array(attention))
 
 
 def test_a_feature_counts_by_how_steeply_the_advantage_changes_along_it():
@@ -54,9 +54,9 @@ def test_units_do_not_matter():
 
 def test_too_little_known_changes_nothing():
     forest = grown_forest(lambda place: place[0])
-    known = np.zeros(forest.n_rows, bool)
-    known[:20] = True
-    np.testing.assert_array_equal(find_relevance(forest, known, np.ones(3)), np.ones(3))
+    steps = np.ones((forest.n_rows, 2), np.int32)
+    steps[20:, 1] = 0  # Most options know of one action only.
+    np.testing.assert_array_equal(find_relevance(forest, steps, np.ones(3)), np.ones(3))
 
 
 def test_a_flat_choice_or_a_feature_that_never_varied_changes_nothing():
