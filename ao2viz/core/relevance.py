@@ -32,8 +32,9 @@ def find_relevance(
     """How much more than its share by variance each feature deserves, [D], geometric mean 1.
 
     `steps` [C, A] is what `Imagination` has: only options all of whose weights were imagined are
-    asked. `attention` [D] is the one that variance alone would give. Slopes are measured in its units, not in those of the forest's own
-    attention: else each measurement would sharpen the last. All 1 while too little is known.
+    asked. `attention` [D] is the one that variance alone would give. Slopes are measured in its
+    units, not in those of the forest's own attention: else each measurement would sharpen the
+    last. All 1 while too little is known.
     """
     relevance = np.ones(len(attention))
     is_known = np.all(steps[: forest.n_rows] > 0, axis=1)
