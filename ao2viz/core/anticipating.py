@@ -9,7 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.accommodation import MAX_LINKS, find_parent
+from ao2viz.core.accommodation import MAX_LINKS, find_parent, misleads
 from ao2viz.core.arrays import Arrays, take_array
 from ao2viz.core.assimilation import assimilate, imagine_all, keep_stories, settle
 from ao2viz.core.attention import RunningSpread, attention_from, has_changed
@@ -18,7 +18,7 @@ from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.experience import allocate_experience, record
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
-from ao2viz.core.imagination import Rules, allocate_imagination, worth_of
+from ao2viz.core.imagination import allocate_imagination, rules_of, worth_of
 from ao2viz.core.inference import act, decide, make_workspace
 from ao2viz.core.regrowth import regrow
 from ao2viz.core.relevance import find_relevance
@@ -45,7 +45,7 @@ class AnticipatingLearner:
         self._rng = rng
         self._n_features = len(ranges)
         self._n_actions = n_actions
-        self._rules = _rules_of(config)
+        self._rules = rules_of(config)
         self._spread = RunningSpread(self._n_features)
         self._grown_at = np.zeros(self._n_features)  # Deviations that attention is measured by.
         self._next_check = config.warmup_steps
@@ -241,20 +241,26 @@ class AnticipatingLearner:
 
     def _situate(self, observation: NDArray[np.float64], events: list[GrowthEvent]) -> int:
         """The option that stands for an observation, accommodated if there is none."""
-        forest, work = self._forest, self._work
+        forest, work, rules = self._forest, self._work, self._rules
         query = forest.attention * observation
         found = find_nearest(
             forest.columns,
             forest.heads[0],
             query,
             ANY_ACTION,
-            self._rules.radius,
+            rules.radius,
             work.scratch,
             work.ids[:1],
             work.distances[:1],
         )
         if found:
-            return int(work.ids[0])
+            nearest, columns, head = int(work.ids[0]), forest.columns, forest.heads[0]
+            is_apart = work.distances[0] > self.config.split_distance * rules.radius
+            is_known = bool((self._imagination.steps[nearest] > 0).all())
+            if not (is_apart and is_known) or not misleads(
+                columns, head, query, nearest, rules.radius, rules.share_ridge, work
+            ):
+                return nearest
         option = self._accommodate(observation, query, events)
         imagine_all(
             self._forest.columns,
@@ -372,18 +378,3 @@ class AnticipatingLearner:
             self.n_steps,
         )
         self.sleep()
-
-
-def _rules_of(config: AnticipatingConfig) -> Rules:
-    return Rules(
-        gamma=config.gamma,
-        radius=0.5**config.levels,
-        levels=config.levels,
-        cap=config.experience_cap,
-        effect_ridge=config.effect_ridge,
-        share_ridge=config.share_ridge,
-        imagine_limit=config.imagine_limit,
-        refreshes=config.refreshes,
-        backups=config.backups,
-        slip=config.slip,
-    )

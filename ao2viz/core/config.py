@@ -35,6 +35,7 @@ class AnticipatingConfig:
     decide_by: DecideBy = DecideBy.VOTE  # Who chooses the action; may change at any time.
     gamma: float = 0.99  # Discount per step, in (0, 1].
     levels: int = 3  # Halvings of similarity from a root (radius 1) to the finest option.
+    split_distance: float = 0.2  # Finest radii; beyond it an option that misleads is split.
     attention_width: float = 4.0  # One unit of distance is this many standard deviations.
     warmup_steps: int = 250  # Random steps before the first attention is set.
     attention_relevance: float = 1.0  # How far attention goes to what the choice depends on.
@@ -81,6 +82,7 @@ _CLASSES: Mapping[Preset, type[Config]] = {
 _RANGES: Mapping[str, tuple[float, float]] = {
     "gamma": (1e-6, 1.0),
     "levels": (0, 12),
+    "split_distance": (0.0, 1.0),
     "attention_width": (1e-3, 1e6),
     "attention_relevance": (0.0, 4.0),
     "warmup_steps": (1, 10**9),

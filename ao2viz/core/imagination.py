@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns, distance
 from ao2viz.core.compiled import compiled
+from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience, predict
 from ao2viz.core.inference import Workspace, find_shares
@@ -28,6 +29,22 @@ class Rules(NamedTuple):
     refreshes: int
     backups: int
     slip: float
+
+
+def rules_of(config: AnticipatingConfig) -> Rules:
+    """The settings of a config that compiled code needs."""
+    return Rules(
+        gamma=config.gamma,
+        radius=0.5**config.levels,
+        levels=config.levels,
+        cap=config.experience_cap,
+        effect_ridge=config.effect_ridge,
+        share_ridge=config.share_ridge,
+        imagine_limit=config.imagine_limit,
+        refreshes=config.refreshes,
+        backups=config.backups,
+        slip=config.slip,
+    )
 
 
 class Imagination(NamedTuple):

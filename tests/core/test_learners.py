@@ -20,7 +20,7 @@ PRESETS = list(Preset)
 
 
 class Valley:
-    """A ball in a valley, pushed left or right; being far from the middle costs, too far ends it.
+    """A ball in a valley, pushed left or right; away from the middle costs, too far ends it dearly.
 
     The random start grows wider with every episode, so that attention must widen too.
     """
@@ -42,7 +42,8 @@ class Valley:
         self.state = np.array([position + 0.2 * velocity, velocity])
         self.time += 1
         terminated = bool(abs(self.state[0]) > 1)
-        return self.state.copy(), -abs(self.state[0]), terminated, self.time >= 50
+        reward = -abs(self.state[0]) - (20.0 if terminated else 0.0)
+        return self.state.copy(), reward, terminated, self.time >= 50
 
 
 def new_learner(preset, seed=0, **settings):
