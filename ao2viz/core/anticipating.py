@@ -241,26 +241,21 @@ class AnticipatingLearner:
 
     def _situate(self, observation: NDArray[np.float64], events: list[GrowthEvent]) -> int:
         """The option that stands for an observation, accommodated if there is none."""
-        forest, work, rules = self._forest, self._work, self._rules
+        forest, work = self._forest, self._work
         query = forest.attention * observation
         found = find_nearest(
             forest.columns,
             forest.heads[0],
             query,
             ANY_ACTION,
-            rules.radius,
+            self._rules.radius,
             work.scratch,
             work.ids[:1],
             work.distances[:1],
         )
-        if found:
-            nearest, columns, head = int(work.ids[0]), forest.columns, forest.heads[0]
-            is_apart = work.distances[0] > self.config.split_distance * rules.radius
-            is_known = bool((self._imagination.steps[nearest] > 0).all())
-            if not (is_apart and is_known) or not misleads(
-                columns, head, query, nearest, rules.radius, rules.share_ridge, work
-            ):
-                return nearest
+        nearest = int(work.ids[0])
+        if found and self._will_do(nearest, float(work.distances[0]), query):
+            return nearest
         option = self._accommodate(observation, query, events)
         imagine_all(
             self._forest.columns,
@@ -273,6 +268,23 @@ class AnticipatingLearner:
         )
         self._created = option
         return option
+
+    def _will_do(self, nearest: int, apart: float, query: NDArray[np.float64]) -> bool:
+        """Whether the nearest option stands for a query: it is close, or its advice is right."""
+        forest, rules = self._forest, self._rules
+        if apart <= self.config.split_distance * rules.radius:
+            return True
+        if (self._imagination.steps[nearest] == 0).any():
+            return True  # It does not know enough to give advice yet.
+        return not misleads(
+            forest.columns,
+            forest.heads[0],
+            query,
+            nearest,
+            rules.radius,
+            rules.share_ridge,
+            self._work,
+        )
 
     def _accommodate(
         self,
