@@ -14,12 +14,30 @@ def check_output(path: Path, *, overwrite: bool) -> None:
         ValueError: If there is a file already and `overwrite` is False, or the name does not fit.
         OSError: If the folder cannot be made or written to.
     """
-    if path.suffix != ".ao2":
-        raise ValueError(f"Expected a file name that ends in .ao2, but got {path}.")
-    if path.is_dir():
-        raise ValueError(f"{path} is a folder; name a file in it.")
+    check_name(path, ".ao2")
     if path.exists() and not overwrite:
         raise ValueError(f"{path} is there already; name another file or add --overwrite.")
+    check_folder(path)
+
+
+def check_name(path: Path, suffix: str) -> None:
+    """Makes sure that a path can be that of a file of its kind.
+
+    Raises:
+        ValueError: If it ends otherwise, or is a folder.
+    """
+    if path.suffix != suffix:
+        raise ValueError(f"Expected a file name that ends in {suffix}, but got {path}.")
+    if path.is_dir():
+        raise ValueError(f"{path} is a folder; name a file in it.")
+
+
+def check_folder(path: Path) -> None:
+    """Makes the folder of a file, and makes sure that it can be written to.
+
+    Raises:
+        OSError: If not.
+    """
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         # Permissions alone do not tell: root may everything, and still not write everywhere.

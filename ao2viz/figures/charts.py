@@ -93,8 +93,8 @@ def weights_figure(
     return figure
 
 
-def _frame(x: str, y: str) -> go.Figure:
-    figure = go.Figure()
+def style(figure: go.Figure, x: str, y: str) -> None:
+    """Gives every chart of a figure our letters, grid and axis titles."""
     figure.update_layout(
         template="none",
         paper_bgcolor="rgba(0,0,0,0)",
@@ -123,6 +123,11 @@ def _frame(x: str, y: str) -> go.Figure:
     }
     figure.update_xaxes(title={"text": x, "standoff": 6}, **axis)
     figure.update_yaxes(title={"text": y, "standoff": 4}, **axis)
+
+
+def _frame(x: str, y: str) -> go.Figure:
+    figure = go.Figure()
+    style(figure, x, y)
     return figure
 
 

@@ -1,0 +1,27 @@
+"""Libraries that only experiments need: asked for in words, not with a traceback."""
+
+import importlib
+from collections.abc import Mapping
+
+# What pip installs with each extra, by the names they are imported with.
+_EXTRAS: Mapping[str, tuple[str, ...]] = {
+    "experiments": ("joblib", "pyarrow", "scipy"),
+    "dask": ("dask", "distributed"),
+    "ray": ("ray",),
+}
+
+
+def need(extra: str) -> None:
+    """Makes sure that everything of an extra can be imported.
+
+    Raises:
+        ValueError: If something is missing; says how to get it.
+    """
+    for name in _EXTRAS[extra]:
+        try:
+            importlib.import_module(name)
+        except ImportError as error:
+            raise ValueError(
+                f"This needs {name}, which cannot be imported here ({error}). To get it: "
+                f"pip install 'ao2viz[{extra}]'."
+            ) from error

@@ -1,0 +1,119 @@
+"""What was learned after how many steps, over several seeds: one chart for each environment."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import plotly.graph_objects as go
+from numpy.typing import NDArray
+from plotly.subplots import make_subplots
+
+from ao2viz.core.decision import DecideBy
+from ao2viz.figures.charts import style
+from ao2viz.figures.palette import Rgb, action_colors, to_hex
+
+_CHART_PX = 380  # Height of one environment's chart.
+_DASHES = {DecideBy.VOTE: "solid", DecideBy.PATH: "dash"}
+_BAND_OPACITY = 0.16
+_SEED_OPACITY = 0.35
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """How one group of seeds learned; `C` counts checkpoints.
+
+    A seed's array holds NaN where it was not evaluated.
+    """
+
+    env: str
+    group: str  # Preset and settings in words; equal ones share a colour.
+    decide_by: DecideBy
+    steps: NDArray[np.int64]  # [C] rising.
+    middle: NDArray[np.float64]  # [C] interquartile mean of the seeds' mean returns.
+    low: NDArray[np.float64]  # [C] lower end of its interval; `middle` for a single seed.
+    high: NDArray[np.float64]  # [C] upper end.
+    seeds: dict[int, NDArray[np.float64]]  # [C] mean return of each seed.
+
+
+def learning_curves_figure(curves: Sequence[Curve]) -> go.Figure:
+    """Return over steps: a line with its band for each curve, and a thin line for each seed.
+
+    Colours tell presets and settings apart, dashes the ways of deciding.
+
+    Raises:
+        ValueError: If there is no curve.
+    """
+    if not curves:
+        raise ValueError("Expected at least one learning curve, but there are none.")
+    envs = list(dict.fromkeys(curve.env for curve in curves))
+    groups = list(dict.fromkeys(curve.group for curve in curves))
+    colors = action_colors(len(groups), is_ordered=False)
+    spacing = 0.3 / len(envs)
+    figure = make_subplots(rows=len(envs), cols=1, subplot_titles=envs, vertical_spacing=spacing)
+    shown: set[str] = set()
+    for curve in curves:
+        row = envs.index(curve.env) + 1
+        r, g, b = (int(part) for part in colors[groups.index(curve.group)])
+        name = f"{curve.group}, by {'vote' if curve.decide_by is DecideBy.VOTE else 'one path'}"
+        for trace in _traces(curve, name, (r, g, b), in_legend=name not in shown):
+            figure.add_trace(trace, row=row, col=1)
+        shown.add(name)
+    style(figure, "steps of the environment", "mean return (sum of rewards)")
+    # On a page of its own it has room for a legend, and a background to be read on.
+    figure.update_layout(
+        height=_CHART_PX * len(envs) + 120,
+        margin={"l": 70, "r": 20, "t": 90, "b": 60},
+        legend={"y": 1 + 50 / (_CHART_PX * len(envs))},
+        paper_bgcolor="white",
+        plot_bgcolor="white",
+        font={"size": 13, "color": "#3a4250"},
+        hovermode="closest",
+    )
+    return figure
+
+
+def _traces(curve: Curve, name: str, color: Rgb, *, in_legend: bool) -> list[go.Scatter]:
+    dash = _DASHES[curve.decide_by]
+    line = {"color": to_hex(color), "dash": dash}
+    common = {"legendgroup": name, "name": name}
+    band = go.Scatter(
+        x=np.concatenate([curve.steps, curve.steps[::-1]]),
+        y=np.concatenate([curve.high, curve.low[::-1]]),
+        fill="toself",
+        fillcolor=f"rgba({color[0]},{color[1]},{color[2]},{_BAND_OPACITY})",
+        line={"width": 0},
+        mode="lines",
+        hoverinfo="skip",
+        showlegend=False,
+        **common,
+    )
+    seeds = [
+        go.Scatter(
+            x=curve.steps,
+            y=returns,
+            mode="lines+markers",
+            line=dict(line, width=1),
+            marker={"size": 3},
+            opacity=_SEED_OPACITY,
+            connectgaps=True,
+            showlegend=False,
+            hovertemplate=f"seed {seed}: %{{y:.1f}} after %{{x:,}} steps<extra></extra>",
+            **common,
+        )
+        for seed, returns in curve.seeds.items()
+    ]
+    middle = go.Scatter(
+        x=curve.steps,
+        y=curve.middle,
+        mode="lines+markers",
+        line=dict(line, width=2.5),
+        marker={"size": 6},
+        showlegend=in_legend,
+        customdata=np.column_stack([curve.low, curve.high]),
+        hovertemplate=(
+            "IQM %{y:.1f} [%{customdata[0]:.1f}, %{customdata[1]:.1f}] after %{x:,} steps"
+            "<extra>%{fullData.name}</extra>"
+        ),
+        **common,
+    )
+    return [band, *seeds, middle]
