@@ -93,7 +93,7 @@ class _Sweep:
         total = len(self._runs)
         before = total - len(self._left)
         if before:
-            say_aside(f"{_count(before)} of {total:,} are in {self._table.path} already.")
+            say_aside(f"{before:,} of {total:,} runs are in {self._table.path} already.")
         trouble = ""
         # Whoever asks to stop need not wait for a run: those under way are lost, no others.
         with DeferredInterrupts(_stop) as interrupts:

@@ -6,6 +6,8 @@ keeps no files here. Dask and Ray have a module each, imported only by who asks 
 
 import contextlib
 import os
+import signal
+import socket
 import threading
 import time
 from collections.abc import Callable, Generator, Iterable, Iterator
@@ -19,6 +21,7 @@ from ao2viz.experiments.extras import need
 ArgumentT = TypeVar("ArgumentT")
 ResultT = TypeVar("ResultT")
 
+_CONNECT_S = 15
 _LOOK_S = 0.5
 
 
@@ -63,7 +66,7 @@ class Workers:
             "pre_dispatch": self.count,
         }
         try:
-            with parallel_config(self.backend):
+            with parallel_config(self.backend), _interrupts_held():
                 parallel = Parallel(self.count, return_as="generator_unordered", **one_by_one)
                 results = parallel(
                     delayed(_call)(function, argument, os.getpid()) for argument in arguments
@@ -93,10 +96,12 @@ def gather(
         OSError: If there is no cluster at the address.
     """
     need("experiments")
+    if address is not None:
+        if cluster is Cluster.LOCAL:
+            raise ValueError("An address (--address) needs a cluster: --cluster dask or ray.")
+        _check_address(address)
     match cluster:
         case Cluster.LOCAL:
-            if address is not None:
-                raise ValueError("An address (--address) needs a cluster: --cluster dask or ray.")
             return contextlib.nullcontext(Workers("loky", count or _processors()))
         case Cluster.DASK:
             need("dask")
@@ -110,10 +115,37 @@ def gather(
             return _as_workers(gather_ray(count or _processors(), count, address))
 
 
+def _check_address(address: str) -> None:
+    """Makes sure that somebody listens there; Ray would try for minutes, and not quietly."""
+    host, _, port = address.rpartition("//")[2].rpartition(":")
+    if not (host and port.isdecimal() and int(port) < 2**16):
+        raise ValueError(f"Expected --address HOST:PORT, but got {address!r}.")
+    try:
+        socket.create_connection((host, int(port)), timeout=_CONNECT_S).close()
+    except OSError as error:
+        raise OSError(f"There is no cluster at {address}: {error.strerror or error}.") from error
+
+
 @contextlib.contextmanager
 def _as_workers(gathered: AbstractContextManager[tuple[Any, int]]) -> Iterator[Workers]:
     with gathered as (backend, count):
         yield Workers(backend, count)
+
+
+@contextlib.contextmanager
+def _interrupts_held() -> Iterator[None]:
+    """Ctrl-C waits until the end, and never reaches a process that is started within.
+
+    In a terminal it is sent to every process; only we decide what comes of it.
+    """
+    if not hasattr(signal, "pthread_sigmask"):  # Windows.
+        yield
+        return
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _processors() -> int:
@@ -125,14 +157,14 @@ def _processors() -> int:
 def _call(function: Callable[[ArgumentT], ResultT], argument: ArgumentT, parent: int) -> ResultT:
     """What a worker does; one that we started on this machine does not outlive us."""
     if hasattr(os, "fork") and os.getppid() == parent:
-        _leave_with(parent)
+        _follow(parent)
     return function(argument)
 
 
 _is_watching = threading.Event()
 
 
-def _leave_with(parent: int) -> None:
+def _follow(parent: int) -> None:
     """Ends this process soon after its parent, were that killed without a chance to say so."""
     if _is_watching.is_set():
         return

@@ -4,12 +4,15 @@ import contextlib
 import logging
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future
+from importlib import metadata
 from typing import Any
 
 from distributed import Client, LocalCluster
 
 # joblib has no public name for it.
 from joblib._dask import DaskDistributedBackend
+
+from ao2viz.experiments.provenance import provenance
 
 _CONNECT_S = 15
 
@@ -47,8 +50,9 @@ def gather_dask(to_start: int, count: int | None, address: str | None) -> Iterat
 
     Raises:
         OSError: If there is no scheduler.
-        ValueError: If it has no workers.
+        ValueError: If it has no workers, or some that lack this version of ao2viz.
     """
+    logging.getLogger("distributed").setLevel(logging.CRITICAL)  # What matters, we say.
     with contextlib.ExitStack() as stack:
         if address is None:
             without_page: dict[str, Any] = {"dashboard_address": None}
@@ -60,7 +64,21 @@ def gather_dask(to_start: int, count: int | None, address: str | None) -> Iterat
             )
             address = stack.enter_context(cluster).scheduler_address
         client: Any = stack.enter_context(Client(address, timeout=_CONNECT_S))
+        try:
+            client.wait_for_workers(1, timeout=_CONNECT_S)
+        except TimeoutError:
+            raise ValueError(f"The Dask cluster at {address} has no workers; start some.") from None
+        _check_versions(client)
         threads = sum(client.nthreads().values())
-        if threads == 0:
-            raise ValueError(f"The Dask cluster at {address} has no workers; start some first.")
         yield TellingDaskBackend(client=client), min(count or threads, threads)
+
+
+def _check_versions(client: Any) -> None:
+    # A worker that cannot import what it is sent ends; the next one would be sent the same.
+    here = provenance().version
+    asked: dict[str, Any] = client.run(metadata.version, "ao2viz", on_error="return")
+    for worker, version in asked.items():
+        if isinstance(version, metadata.PackageNotFoundError):
+            raise ValueError(f"The worker at {worker} has no ao2viz; install {here} there.")
+        if version != here:
+            raise ValueError(f"The worker at {worker} has ao2viz {version}, but this is {here}.")

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 # What pip installs with each extra, by the names they are imported with.
 _EXTRAS: Mapping[str, tuple[str, ...]] = {
     "experiments": ("joblib", "pyarrow", "scipy"),
-    "dask": ("dask", "distributed"),
+    "dask": ("distributed",),
     "ray": ("ray",),
 }
 

@@ -128,12 +128,12 @@ def read(path: Path) -> list[Evaluation]:
 
 
 def _read_rows(path: Path) -> pa.Table:
-    with open(path, "rb") as stream:
-        try:
-            _check_schema(path, pq.read_schema(stream))
-            rows = pq.read_table(stream)
-        except pa.ArrowException as error:
-            raise TableError(f"{path} is no sound Parquet file: {error}") from error
+    content = path.read_bytes()
+    try:
+        _check_schema(path, pq.read_schema(pa.BufferReader(content)))
+        rows = pq.read_table(pa.BufferReader(content))
+    except (pa.ArrowException, OSError) as error:  # OSError: what is written in it misleads.
+        raise TableError(f"{path} is no sound Parquet file: {error}") from error
     return rows.replace_schema_metadata(SCHEMA.metadata)
 
 
