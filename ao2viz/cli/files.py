@@ -1,5 +1,6 @@
 """Checks on the files a command is to write, before any work is done for them."""
 
+import secrets
 import tempfile
 from pathlib import Path
 
@@ -45,3 +46,18 @@ def check_folder(path: Path) -> None:
             pass
     except OSError as error:
         raise OSError(error.errno, "Cannot write to this folder", str(path.parent)) from error
+
+
+def write_text(path: Path, text: str) -> None:
+    """Writes a page whole or, on an error, not at all.
+
+    Raises:
+        OSError: If it cannot be written; an old one then is as it was.
+    """
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
+    try:
+        beside.write_text(text, "utf-8")
+        beside.replace(path)
+    except BaseException:
+        beside.unlink(missing_ok=True)
+        raise

@@ -11,7 +11,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ao2viz.cli.console import say_aside, show_json, show_table
-from ao2viz.cli.files import check_folder, check_name
+from ao2viz.cli.files import check_folder, check_name, write_text
 from ao2viz.experiments.plan import say_settings
 from ao2viz.experiments.report import number, write_into
 from ao2viz.experiments.statistics import Summary, summarise
@@ -39,11 +39,11 @@ def run(file: Path, *, markdown: Path | None, plot: Path | None, as_json: bool) 
             written = write_into(page, summaries, file.name)
         except ValueError as error:
             raise ValueError(f"{markdown}: {error}") from error
-        markdown.write_text(written, "utf-8")
+        write_text(markdown, written)
         say_aside(f"The tables are in {markdown}.")
     if plot is not None:
         figure = learning_curves_figure(make_curves(summaries))
-        plot.write_text(figure.to_html(include_plotlyjs=True), "utf-8")
+        write_text(plot, figure.to_html(include_plotlyjs=True))
         say_aside(f"The learning curves are in {plot}.")
     if as_json:
         show_json({"file": str(file), "groups": [_to_json(one) for one in summaries]})

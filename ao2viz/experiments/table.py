@@ -8,6 +8,7 @@ import contextlib
 import dataclasses
 import json
 import os
+import re
 import secrets
 from collections.abc import Iterable, Iterator
 from pathlib import Path
@@ -47,6 +48,9 @@ SCHEMA = pa.schema(
     ],
     metadata={_FORMAT: str(FORMAT_VERSION).encode()},
 )
+
+# All that names and settings need; what is shown on pages cannot be more than text.
+_PLAIN = re.compile(r'[\w\s{}":,.+/-]*')
 
 _Key = tuple[Run, int, DecideBy]
 
@@ -217,6 +221,9 @@ def _from_row(row: dict[str, Any]) -> Evaluation:
     missing = [f.name for f in SCHEMA if not f.nullable and row[f.name] is None]
     if missing:
         raise ValueError(f"expected a value in {', '.join(missing)}.")
+    for name, value in row.items():
+        if isinstance(value, str) and not _PLAIN.fullmatch(value):
+            raise ValueError(f"expected plain text in {name}, but got {value!r}.")
     if not isinstance(json.loads(row["settings"]), dict):
         raise ValueError(f"expected a JSON object as settings, but got {row['settings']!r}.")
     if not row["returns"] or None in row["returns"]:

@@ -1,5 +1,6 @@
 """What was learned after how many steps, over several seeds: one chart for each environment."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -51,13 +52,17 @@ def learning_curves_figure(curves: Sequence[Curve]) -> go.Figure:
     spacing = 0.3 / len(envs)
     figure = make_subplots(rows=len(envs), cols=1, subplot_titles=envs, vertical_spacing=spacing)
     shown: set[str] = set()
+    layers: list[list[tuple[go.Scatter, int]]] = [[], [], []]  # No band may veil a line.
     for curve in curves:
         row = envs.index(curve.env) + 1
         r, g, b = (int(part) for part in colors[groups.index(curve.group)])
         name = f"{curve.group}, by {'vote' if curve.decide_by is DecideBy.VOTE else 'one path'}"
-        for trace in _traces(curve, name, (r, g, b), in_legend=name not in shown):
-            figure.add_trace(trace, row=row, col=1)
+        band, *seeds, middle = _traces(curve, name, (r, g, b), in_legend=name not in shown)
+        for layer, traces in zip(layers, ([band], seeds, [middle]), strict=True):
+            layer += [(trace, row) for trace in traces]
         shown.add(name)
+    for trace, row in itertools.chain(*layers):
+        figure.add_trace(trace, row=row, col=1)
     style(figure, "steps of the environment", "mean return (sum of rewards)")
     # On a page of its own it has room for a legend, and a background to be read on.
     figure.update_layout(

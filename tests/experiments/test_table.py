@@ -126,9 +126,11 @@ def test_what_is_no_parquet_is_refused(tmp_path, content):
 
 
 WRONG_VALUES = {
+    "env": ("<script>alert(1)</script>", "plain text in env"),
+    "version": ("`rm`", "plain text in version"),
     "preset": ("clever", "not a valid Preset"),
     "decide_by": ("luck", "not a valid DecideBy"),
-    "settings": ("[]", "a JSON object as settings"),
+    "settings": ("3", "a JSON object as settings"),
     "seed": (None, "a value in seed"),
     "returns": ([], "at least one episode"),
 }

@@ -40,7 +40,7 @@ def test_every_environment_has_a_chart_of_its_own_and_every_chart_its_titles():
     curves = [curve("CartPole-v1"), curve("Pendulum-v1")]
     figure = learning_curves_figure(curves)
     assert [a.text for a in figure.layout.annotations] == ["CartPole-v1", "Pendulum-v1"]
-    assert [trace.xaxis for trace in figure.data] == ["x"] * 4 + ["x2"] * 4
+    assert sorted(trace.xaxis for trace in figure.data) == ["x"] * 4 + ["x2"] * 4
     for axis in (figure.layout.xaxis, figure.layout.xaxis2):
         assert axis.title.text == "steps of the environment"
     for axis in (figure.layout.yaxis, figure.layout.yaxis2):
@@ -60,6 +60,12 @@ def test_colours_tell_settings_apart_and_dashes_the_ways_of_deciding():
     assert three.color == three_path.color != four.color == four_path.color
     assert three.dash == four.dash == "solid"
     assert three_path.dash == four_path.dash == "dash"
+
+
+def test_no_band_veils_a_line():
+    figure = learning_curves_figure([curve(group="levels=3"), curve(group="levels=4")])
+    kinds = ["band" if t.fill else "middle" if t.showlegend else "seed" for t in figure.data]
+    assert kinds == ["band"] * 2 + ["seed"] * 4 + ["middle"] * 2
 
 
 def test_many_environments_find_room():
