@@ -66,7 +66,6 @@ def find_parent(
 @compiled
 def misleads(
     columns: Columns,
-    first_root: int,
     query: NDArray[np.float64],
     option: int,
     radius: float,
@@ -80,6 +79,6 @@ def misleads(
     Machine Learning, 2002; here the vote is the judge).
     """
     action_values = np.empty(columns.weights.shape[1])
-    weigh_actions(columns, first_root, query, True, radius, ridge, work, action_values)
+    weigh_actions(columns, query, True, radius, ridge, work, action_values)
     loss = action_values.max() - action_values[np.argmax(columns.weights[option])]
     return loss > _MISLEADING_LOSS * np.abs(action_values).max()

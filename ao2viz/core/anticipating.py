@@ -221,7 +221,7 @@ class AnticipatingLearner:
         capacity, a, d = forest.capacity, self._n_actions, self._n_features
         self._experience = allocate_experience(capacity, a, d)
         self._imagination = allocate_imagination(capacity, a, self.config.voters)
-        self._work = make_workspace(capacity, self.config.voters, d)
+        self._work = make_workspace(self.config.voters, d)
 
     def _reserve(self) -> None:
         """Makes room for one more option in every array at once."""
@@ -237,7 +237,6 @@ class AnticipatingLearner:
         ):
             new[:n] = old[:n]
         self._experience, self._imagination = experience, imagination
-        self._work = make_workspace(capacity, self.config.voters, self._n_features)
 
     def _situate(self, observation: NDArray[np.float64], events: list[GrowthEvent]) -> int:
         """The option that stands for an observation, accommodated if there is none."""
@@ -245,11 +244,9 @@ class AnticipatingLearner:
         query = forest.attention * observation
         found = find_nearest(
             forest.columns,
-            forest.heads[0],
             query,
             ANY_ACTION,
             self._rules.radius,
-            work.scratch,
             work.ids[:1],
             work.distances[:1],
         )
@@ -261,7 +258,6 @@ class AnticipatingLearner:
             self._forest.columns,
             self._experience,
             self._imagination,
-            self._forest.heads[0],
             option,
             self._rules,
             self._work,
@@ -278,7 +274,6 @@ class AnticipatingLearner:
             return True  # It does not know enough to give advice yet.
         return not misleads(
             forest.columns,
-            forest.heads[0],
             query,
             nearest,
             rules.radius,

@@ -19,14 +19,13 @@ def imagine_all(
     columns: Columns,
     experience: Experience,
     imagination: Imagination,
-    first_root: int,
     option: int,
     rules: Rules,
     work: Workspace,
 ) -> None:
     """Imagines every action of one option, then renews its weights."""
     for a in range(columns.weights.shape[1]):
-        imagine(columns, experience, imagination, first_root, option, a, rules, work)
+        imagine(columns, experience, imagination, option, a, rules, work)
     backup(columns, imagination, option, rules.slip)
 
 
@@ -50,7 +49,7 @@ def assimilate(
     """
     n_actions = columns.weights.shape[1]
     n_rows = heads[1]
-    imagine(columns, experience, imagination, heads[0], option, action, rules, work)
+    imagine(columns, experience, imagination, option, action, rules, work)
     for n in range(recent.shape[0] - 1, -1, -1):
         backup(columns, imagination, recent[n], rules.slip)
     for _ in range(rules.refreshes):
@@ -63,7 +62,6 @@ def assimilate(
                 columns,
                 experience,
                 imagination,
-                heads[0],
                 other,
                 cursors[0] % n_actions,
                 rules,
@@ -91,7 +89,7 @@ def settle(
     for option in range(heads[1]):
         if columns.is_alive[option]:
             for a in range(columns.weights.shape[1]):
-                imagine(columns, experience, imagination, heads[0], option, a, rules, work)
+                imagine(columns, experience, imagination, option, a, rules, work)
     for sweep in range(sweeps):
         moved, largest = 0.0, 0.0
         for option in range(heads[1] - 1, -1, -1):

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION
+from ao2viz.core.index import Index, index_option, make_index
 
 
 class Columns(NamedTuple):
@@ -17,16 +18,16 @@ class Columns(NamedTuple):
     """
 
     values: NDArray[np.float64]  # [C, D] environment units.
-    scaled: NDArray[np.float64]  # [C, D] values times attention; where the search happens.
+    scaled: NDArray[np.float64]  # [C, D] values times attention; distances are taken here.
     parents: NDArray[np.int64]  # [C] NO_OPTION at a root.
     first_child: NDArray[np.int64]  # [C] NO_OPTION at a leaf.
     next_sibling: NDArray[np.int64]  # [C] roots are one another's siblings.
     depths: NDArray[np.int64]  # [C] 0 at a root.
-    reach: NDArray[np.float64]  # [C] greatest distance to a descendant.
     is_alive: NDArray[np.bool_]  # [C]
     born: NDArray[np.int64]  # [C] the agent's step at which it was made.
     weights: NDArray[np.float64]  # [C, A] what each action is expected to earn.
     visits: NDArray[np.int64]  # [C, A] how often each action was tried here.
+    index: Index  # Where the living options lie; grows at its own pace.
 
 
 @compiled
@@ -40,7 +41,7 @@ def distance(scaled: NDArray[np.float64], row: int, query: NDArray[np.float64]) 
 
 @compiled
 def insert(columns: Columns, heads: NDArray[np.int64], row: int, parent: int) -> None:
-    """Hangs a row into the tree, in front of its siblings, and lets its ancestors know."""
+    """Hangs a row into the tree, in front of its siblings."""
     columns.parents[row] = parent
     if parent < 0:
         columns.depths[row] = 0
@@ -50,17 +51,6 @@ def insert(columns: Columns, heads: NDArray[np.int64], row: int, parent: int) ->
     columns.depths[row] = columns.depths[parent] + 1
     columns.next_sibling[row] = columns.first_child[parent]
     columns.first_child[parent] = row
-    extend_reach(columns, row)
-
-
-@compiled
-def extend_reach(columns: Columns, row: int) -> None:
-    """Lets every ancestor know how far away this option is."""
-    ancestor = int(columns.parents[row])
-    while ancestor >= 0:
-        d = distance(columns.scaled, ancestor, columns.scaled[row])
-        columns.reach[ancestor] = max(columns.reach[ancestor], d)
-        ancestor = int(columns.parents[ancestor])
 
 
 @compiled
@@ -78,22 +68,13 @@ def add_row(
     columns.values[row] = value
     columns.scaled[row] = scaled
     columns.first_child[row] = NO_OPTION
-    columns.reach[row] = 0.0
     columns.is_alive[row] = True
     columns.born[row] = step
     columns.weights[row] = 0.0
     columns.visits[row] = 0
     insert(columns, heads, row, parent)
+    index_option(columns.index, columns.scaled, row)
     return row
-
-
-@compiled
-def measure_reach(columns: Columns, count: int) -> None:
-    """Finds every reach anew, from the tree."""
-    columns.reach[:count] = 0.0
-    for row in range(count):
-        if columns.is_alive[row]:
-            extend_reach(columns, row)
 
 
 def walk_siblings(columns: Columns, option: int) -> Iterator[int]:
@@ -105,7 +86,7 @@ def walk_siblings(columns: Columns, option: int) -> Iterator[int]:
 
 
 def allocate(capacity: int, n_features: int, n_actions: int) -> Columns:
-    """Empty columns for so many options."""
+    """Empty columns for so many options, and an empty index that still has to grow."""
     return Columns(
         values=np.zeros((capacity, n_features)),
         scaled=np.zeros((capacity, n_features)),
@@ -113,9 +94,9 @@ def allocate(capacity: int, n_features: int, n_actions: int) -> Columns:
         first_child=np.full(capacity, NO_OPTION, np.int64),
         next_sibling=np.full(capacity, NO_OPTION, np.int64),
         depths=np.zeros(capacity, np.int64),
-        reach=np.zeros(capacity),
         is_alive=np.zeros(capacity, np.bool_),
         born=np.zeros(capacity, np.int64),
         weights=np.zeros((capacity, n_actions)),
         visits=np.zeros((capacity, n_actions), np.int64),
+        index=make_index(np.zeros((0, n_features)), np.zeros(0, np.int64)),
     )

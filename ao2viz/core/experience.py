@@ -92,7 +92,6 @@ def merge(columns: Columns, experience: Experience, option: int, heir: int, cap:
 def predict(
     columns: Columns,
     experience: Experience,
-    first_root: int,
     state: NDArray[np.float64],
     action: int,
     radius: float,
@@ -106,7 +105,7 @@ def predict(
     """
     reach = _KNOWN_WITHIN * radius
     count = find_nearest(
-        columns, first_root, state, action, 1.5 * reach, work.scratch, work.ids, work.distances
+        columns, state, action, 1.5 * reach, work.ids, work.distances
     )
     if count == 0 or work.distances[0] > reach:
         return False

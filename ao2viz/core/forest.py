@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.arrays import take_array
-from ao2viz.core.columns import add_row, allocate, insert, measure_reach, walk_siblings
+from ao2viz.core.columns import add_row, allocate, insert, walk_siblings
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.growth import GrowthEvent, GrowthKind
-from ao2viz.core.search import ANY_ACTION, Scratch, find_nearest, make_scratch
+from ao2viz.core.index import check_index, forget_option, index_option, make_index, with_room
+from ao2viz.core.search import ANY_ACTION, find_nearest
 
 _FIRST_CAPACITY = 256
 
@@ -73,7 +74,7 @@ class Forest:
     """The options of one agent. Mutable: exactly one owner; everyone else reads a `view()`.
 
     Rule: only this file and the compiled accommodation that calls `add_row` write to the
-    structure columns (parents, children, reach, is_alive). Weights and visits belong to
+    structure columns (parents, children, is_alive, index). Weights and visits belong to
     assimilation.
     """
 
@@ -83,7 +84,6 @@ class Forest:
         self.attention = np.array(attention, np.float64)
         self.heads = np.array([NO_OPTION, 0], np.int64)  # First root, number of rows in use.
         self.columns = allocate(_FIRST_CAPACITY, n_features, n_actions)
-        self.scratch: Scratch = make_scratch(_FIRST_CAPACITY)
         self.link_rows = np.empty((16, 2), np.int64)  # (parent, child), the first n_links in use.
         self.n_links = 0
         self.revision = 0
@@ -103,17 +103,16 @@ class Forest:
         capacity = self.capacity
         while capacity < self.n_rows + rows:
             capacity *= 2
-        if capacity == self.capacity:
-            return
-        grown = allocate(capacity, self.n_features, self.n_actions)
-        for old, new in zip(self.columns, grown, strict=True):
-            new[: self.n_rows] = old[: self.n_rows]
-        self.columns = grown
-        self.scratch = make_scratch(capacity)
+        if capacity > self.capacity:
+            grown = allocate(capacity, self.n_features, self.n_actions)
+            for old, new in zip(self.columns[:-1], grown[:-1], strict=True):
+                new[: self.n_rows] = old[: self.n_rows]
+            self.columns = grown._replace(index=self.columns.index)
 
     def add(self, value: NDArray[np.float64], parent: int, step: int) -> GrowthEvent:
         """Adds an option below `parent` (NO_OPTION: as a root of a new schema)."""
         self.reserve(1)
+        self._reserve_index()
         value = np.asarray(value, np.float64)
         option = add_row(self.columns, self.heads, value, self.attention * value, parent, step)
         self.revision += 1
@@ -151,9 +150,7 @@ class Forest:
         """
         ids, distances = np.empty(count, np.int64), np.empty(count, np.float64)
         query = self.attention * np.asarray(observation, np.float64)
-        found = find_nearest(
-            self.columns, self.heads[0], query, action, np.inf, self.scratch, ids, distances
-        )
+        found = find_nearest(self.columns, query, action, np.inf, ids, distances)
         return ids[:found], distances[:found]
 
     def remove(self, option: int, step: int, heir: int = NO_OPTION) -> list[GrowthEvent]:
@@ -163,6 +160,7 @@ class Forest:
             raise ValueError(f"There is no living option {option} to remove.")
         parent = int(columns.parents[option])
         self._unhook(option)
+        forget_option(columns.index, columns.scaled, option)
         columns.is_alive[option] = False
         columns.parents[option] = NO_OPTION
         events = [GrowthEvent(step, GrowthKind.REMOVED, option, heir)]
@@ -176,7 +174,7 @@ class Forest:
         remaining = self.links[kept]
         self.n_links = len(remaining)
         self.link_rows[: self.n_links] = remaining
-        self._measure()
+        self._measure_depths()
         self.revision += 1
         return events
 
@@ -197,7 +195,7 @@ class Forest:
         self.attention = attention
         n = self.n_rows
         self.columns.scaled[:n] = self.columns.values[:n] * attention
-        measure_reach(self.columns, n)
+        self._index(np.flatnonzero(self.columns.is_alive[:n]))
         self.revision += 1
         return GrowthEvent(step, GrowthKind.ATTENTION, NO_OPTION, NO_OPTION)
 
@@ -212,15 +210,17 @@ class Forest:
         columns.parents[:n] = NO_OPTION
         columns.first_child[:n] = NO_OPTION
         columns.next_sibling[:n] = NO_OPTION
-        columns.reach[:n] = 0.0
         self.heads[0] = NO_OPTION
+        self._index(np.empty(0, np.int64))
         self.n_links = 0
         self.revision += 1
         return old_parents, np.flatnonzero(columns.is_alive[:n])
 
     def replant(self, option: int, parent: int) -> None:
         """Puts an uprooted option back, below `parent` (NO_OPTION: as a root)."""
+        self._reserve_index()
         insert(self.columns, self.heads, option, parent)
+        index_option(self.columns.index, self.columns.scaled, option)
 
     def merge_away(self, option: int, heir: int, step: int) -> GrowthEvent:
         """Cleanses an uprooted option whose experience went to `heir`."""
@@ -276,6 +276,7 @@ class Forest:
         fresh.heads[1] = n
         for option in order:
             insert(columns, fresh.heads, int(option), int(parents[option]))
+        fresh._index(np.flatnonzero(is_alive))
         for parent, child in links.tolist():
             if not (is_alive[parent] and is_alive[child]) or parents[child] == parent:
                 raise ValueError(f"Expected extra links between living options, not {parent}.")
@@ -328,12 +329,7 @@ class Forest:
             assert len(seen) <= n, "The tree has a cycle."
         assert sorted(seen) == alive.tolist(), "Tree and living options differ."
         np.testing.assert_array_equal(columns.scaled[:n], columns.values[:n] * self.attention)
-        for option in alive:
-            ancestor = columns.parents[option]
-            while ancestor != NO_OPTION:
-                d = np.abs(columns.scaled[option] - columns.scaled[ancestor]).sum()
-                assert d <= columns.reach[ancestor] * (1 + 1e-12) + 1e-12, f"Reach of {ancestor}."
-                ancestor = columns.parents[ancestor]
+        check_index(columns.index, columns.scaled[:n], columns.is_alive[:n])
         assert len(np.unique(self.links, axis=0)) == self.n_links, "A link is there twice."
         for parent, child in self.links:
             assert columns.is_alive[parent], f"A link leads from cleansed option {parent}."
@@ -356,8 +352,7 @@ class Forest:
         else:
             columns.first_child[parent] = after
 
-    def _measure(self) -> None:
-        """Depths and reach of every option, from the tree."""
+    def _measure_depths(self) -> None:
         columns = self.columns
         stack = list(walk_siblings(columns, int(self.heads[0])))
         while stack:
@@ -365,7 +360,15 @@ class Forest:
             parent = columns.parents[option]
             columns.depths[option] = 0 if parent == NO_OPTION else columns.depths[parent] + 1
             stack += walk_siblings(columns, int(columns.first_child[option]))
-        measure_reach(columns, self.n_rows)
+
+    def _index(self, options: NDArray[np.int64]) -> None:
+        """Builds the index anew, of just these options."""
+        self.columns = self.columns._replace(index=make_index(self.columns.scaled, options))
+
+    def _reserve_index(self) -> None:
+        index = with_room(self.columns.index)
+        if index is not self.columns.index:
+            self.columns = self.columns._replace(index=index)
 
 
 def _parents_first(parents: NDArray[np.int64], is_alive: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -81,7 +81,6 @@ def imagine(
     columns: Columns,
     experience: Experience,
     imagination: Imagination,
-    first_root: int,
     option: int,
     action: int,
     rules: Rules,
@@ -98,7 +97,7 @@ def imagine(
     steps = 0
     while steps < rules.imagine_limit:
         if not predict(
-            columns, experience, first_root, state, action, rules.radius, rules.effect_ridge, work
+            columns, experience, state, action, rules.radius, rules.effect_ridge, work
         ):
             break
         steps += 1
@@ -113,7 +112,7 @@ def imagine(
     imagination.discount[option, action] = discount
     if steps == 0:
         return
-    count = find_shares(columns, first_root, state, rules.radius, rules.share_ridge, False, work)
+    count = find_shares(columns, state, rules.radius, rules.share_ridge, False, work)
     kept = 0
     for n in range(count):
         if work.shares[n] > 0.0:

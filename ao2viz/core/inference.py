@@ -10,13 +10,12 @@ from ao2viz.core.columns import Columns, distance
 from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest
-from ao2viz.core.search import ANY_ACTION, Scratch, find_nearest, make_scratch
+from ao2viz.core.search import ANY_ACTION, find_nearest
 
 
 class Workspace(NamedTuple):
     """Work space for one query with at most K options of D features; allocated once."""
 
-    scratch: Scratch
     ids: NDArray[np.int64]  # [K]
     distances: NDArray[np.float64]  # [K]
     kernel: NDArray[np.float64]  # [K] closeness of each option, in [0, 1].
@@ -28,10 +27,9 @@ class Workspace(NamedTuple):
     state: NDArray[np.float64]  # [D] where an imagination has got to.
 
 
-def make_workspace(capacity: int, voters: int, n_features: int) -> Workspace:
-    """Work space for a forest of this capacity."""
+def make_workspace(voters: int, n_features: int) -> Workspace:
+    """Work space for so many voters in forests of so many features."""
     return Workspace(
-        make_scratch(capacity),
         np.empty(voters, np.int64),
         np.empty(voters),
         np.empty(voters),
@@ -146,7 +144,6 @@ def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
 @compiled
 def find_shares(
     columns: Columns,
-    first_root: int,
     query: NDArray[np.float64],
     radius: float,
     ridge: float,
@@ -155,7 +152,7 @@ def find_shares(
 ) -> int:
     """Writes the most similar options and their shares (at least 0, sum 1); returns how many."""
     count = find_nearest(
-        columns, first_root, query, ANY_ACTION, np.inf, work.scratch, work.ids, work.distances
+        columns, query, ANY_ACTION, np.inf, work.ids, work.distances
     )
     if count == 0:
         return 0
@@ -178,7 +175,6 @@ def find_shares(
 @compiled
 def weigh_actions(
     columns: Columns,
-    first_root: int,
     query: NDArray[np.float64],
     by_vote: bool,
     radius: float,
@@ -191,7 +187,7 @@ def weigh_actions(
     The options stay in the work space. By path the first of them has all the say, and the second
     is there as the runner-up.
     """
-    count = find_shares(columns, first_root, query, radius, ridge, True, work)
+    count = find_shares(columns, query, radius, ridge, True, work)
     if not by_vote and count > 0:
         work.shares[0] = 1.0
         for n in range(1, count):
@@ -298,7 +294,6 @@ def _weigh(
     action_values = np.zeros(forest.n_actions)
     count = weigh_actions(
         forest.columns,
-        forest.heads[0],
         forest.attention * observation,
         decide_by is DecideBy.VOTE,
         radius,

@@ -36,7 +36,7 @@ class PaperLearner:
         self._rng = rng
         self._n_actions = n_actions
         self._forest = Forest(len(ranges), n_actions, 1.0 / (len(ranges) * ranges))
-        self._renew_workspace()
+        self._work = make_workspace(config.voters, len(ranges))
         self._observation = np.zeros(len(ranges))
         self._forget_episode()
 
@@ -121,7 +121,6 @@ class PaperLearner:
         forest.set_state(state)
         self.n_steps = int(take_array(state, "counters", (1,), np.int64)[0])
         self._forest = forest
-        self._renew_workspace()
         self._forget_episode()
 
     @property
@@ -133,11 +132,6 @@ class PaperLearner:
         # (option, action, reward), the newest last.
         self._trace: deque[tuple[int, int, float]] = deque(maxlen=self.config.trace_length)
 
-    def _renew_workspace(self) -> None:
-        self._work = make_workspace(
-            self._forest.capacity, self.config.voters, self._forest.n_features
-        )
-
     def _deserves_option(self, decision: Decision) -> bool:
         """Similarity ≤ threshold, written as a distance."""
         return 1.0 - decision.distance <= self.config.threshold
@@ -146,11 +140,7 @@ class PaperLearner:
         """Algorithm 2: a child for the selected option, if that is not similar enough."""
         if not self._deserves_option(decision):
             return ()
-        capacity = self._forest.capacity
-        event = self._forest.add(decision.observation, selected, self.n_steps)
-        if self._forest.capacity != capacity:
-            self._renew_workspace()
-        return (event,)
+        return (self._forest.add(decision.observation, selected, self.n_steps),)
 
     def _assimilate(self, reward: float, ended: bool, terminated: bool) -> None:
         """Algorithm 3: gives each action of the trace its part of what was earned."""

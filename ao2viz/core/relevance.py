@@ -50,7 +50,7 @@ def find_relevance(
         # Where it often is counts more, but not so much that the rest is forgotten.
         np.sqrt(forest.columns.visits[options].sum(axis=1)),
         sampled,
-        make_workspace(0, _NEIGHBOURS, len(attention)),
+        make_workspace(_NEIGHBOURS, len(attention)),
         slopes,
     )
     matters = (slopes > 0.0) & (attention > 0.0)

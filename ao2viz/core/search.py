@@ -1,39 +1,30 @@
-"""The most similar options, found by walking down the forest itself.
+"""The most similar options, found through the index beside the forest.
 
-Each option knows its *reach*: the greatest distance to any of its descendants. By the triangle
-inequality no descendant of an option at distance d can be closer than d - reach, so whole
-subtrees are skipped without losing exactness (branch and bound). Distances are weighted L1
-(paper, equation 1), taken as plain L1 between vectors already scaled by the attention weights.
+Whole parts of the index are left out because of their boxes, yet the answer is that of measuring
+every option (branch and bound). Distances are weighted L1 (paper, equation 1), taken as plain L1
+between vectors already scaled by the attention weights.
+
+No slack is needed for rounding: a box's distance adds the same features in the same order as
+`distance`, each gap no greater than that of an option inside, and rounding never turns a smaller
+sum into a greater one.
 """
-
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.columns import Columns, distance
+from ao2viz.core.columns import Columns
 from ao2viz.core.compiled import compiled
+from ao2viz.core.index import Index
 
 ANY_ACTION = -1
-# The walk compares rounded sums, so a bound is loosened by far more than rounding can spoil.
-_SLACK = 1e-9
-
-
-class Scratch(NamedTuple):
-    """Work space of the walk, allocated once per capacity."""
-
-    stack: NDArray[np.int64]  # [C]
-    bounds: NDArray[np.float64]  # [C]
 
 
 @compiled
 def find_nearest(
     columns: Columns,
-    first_root: int,
     query: NDArray[np.float64],
     action: int,
     limit: float,
-    scratch: Scratch,
     ids: NDArray[np.int64],
     distances: NDArray[np.float64],
 ) -> int:
@@ -42,59 +33,79 @@ def find_nearest(
     Ties go to the oldest option. With an `action` only options that tried it count. Options
     farther than `limit` are left out.
     """
+    index = columns.index
     wanted = ids.shape[0]
     found = 0
     worst = limit
-    stack, bounds = scratch.stack, scratch.bounds
-    top = 0
-    child = first_root
-    while True:
-        base = top
-        while child >= 0:
-            d = distance(columns.scaled, child, query)
-            if d <= worst and (action < 0 or columns.visits[child, action] > 0):
+    waiting, bounds, gaps = index.stack["node"], index.stack["bound"], index.gaps
+    waiting[0], bounds[0] = 0, 0.0
+    height = 1
+    while height > 0:
+        height -= 1
+        node = waiting[height]
+        # The cheap bound first: how far the dividing plane is.
+        if bounds[height] > worst or _box_distance(index, node, query) > worst:
+            continue
+        while index.nodes["axis"][node] >= 0:
+            gap = query[index.nodes["axis"][node]] - index.nodes["split"][node]
+            child = index.nodes["below"][node]
+            waiting[height] = child if gap >= 0.0 else child + 1
+            bounds[height] = abs(gap)
+            height += 1
+            node = child + 1 if gap >= 0.0 else child
+        bucket = index.nodes["below"][node]
+        while bucket >= 0:
+            _measure(index, bucket, query)
+            for n in range(index.buckets["fill"][bucket]):
+                d = gaps[n]
+                if d > worst:
+                    continue
+                option = index.ids[bucket, n]
+                if action >= 0 and columns.visits[option, action] == 0:
+                    continue
                 if found < wanted:
                     slot = found
                     found += 1
+                elif d < worst or option < ids[wanted - 1]:
+                    slot = wanted - 1
                 else:
-                    slot = wanted  # Drops off the end unless it is better than the last.
-                    if d < distances[wanted - 1] or (
-                        d == distances[wanted - 1] and child < ids[wanted - 1]
-                    ):
-                        slot = wanted - 1
-                if slot < wanted:
-                    while slot > 0 and (
-                        d < distances[slot - 1]
-                        or (d == distances[slot - 1] and child < ids[slot - 1])
-                    ):
-                        distances[slot] = distances[slot - 1]
-                        ids[slot] = ids[slot - 1]
-                        slot -= 1
-                    distances[slot] = d
-                    ids[slot] = child
-                    if found == wanted:
-                        worst = distances[wanted - 1]
-            if columns.first_child[child] >= 0:
-                bound = d - columns.reach[child] * (1.0 + _SLACK) - d * _SLACK
-                if bound <= worst:
-                    # Kept sorted, the closest on top: a good candidate early prunes the rest.
-                    place = top
-                    top += 1
-                    while place > base and bounds[place - 1] < bound:
-                        bounds[place] = bounds[place - 1]
-                        stack[place] = stack[place - 1]
-                        place -= 1
-                    bounds[place] = bound
-                    stack[place] = child
-            child = int(columns.next_sibling[child])
-        while top > 0 and bounds[top - 1] > worst:
-            top -= 1
-        if top == 0:
-            return found
-        top -= 1
-        child = int(columns.first_child[stack[top]])
+                    continue
+                while slot > 0 and (
+                    d < distances[slot - 1] or (d == distances[slot - 1] and option < ids[slot - 1])
+                ):
+                    distances[slot] = distances[slot - 1]
+                    ids[slot] = ids[slot - 1]
+                    slot -= 1
+                distances[slot] = d
+                ids[slot] = option
+                if found == wanted:
+                    worst = distances[wanted - 1]
+            bucket = index.buckets["next"][bucket]
+    return found
 
 
-def make_scratch(capacity: int) -> Scratch:
-    """Work space for a forest of this capacity."""
-    return Scratch(np.empty(capacity, np.int64), np.empty(capacity, np.float64))
+@compiled
+def _box_distance(index: Index, node: int, query: NDArray[np.float64]) -> float:
+    """L1 distance from a query to the nearest place in a node's box."""
+    total = 0.0
+    for d in range(query.shape[0]):
+        under = index.boxes[node, d, 0] - query[d]
+        over = query[d] - index.boxes[node, d, 1]
+        total += max(max(under, over), 0.0)
+    return total
+
+
+@compiled
+def _measure(index: Index, bucket: int, query: NDArray[np.float64]) -> None:
+    """Writes the distance to every place of a bucket, used or not, into `gaps`.
+
+    One feature after the other, and to the end of the array: so the compiler takes several
+    options in one instruction.
+    """
+    gaps = index.gaps
+    for n in range(gaps.shape[0]):
+        gaps[n] = 0.0
+    for d in range(query.shape[0]):
+        value = query[d]
+        for n in range(gaps.shape[0]):
+            gaps[n] += abs(index.points[bucket, d, n] - value)

@@ -27,8 +27,8 @@ def asked(forest, place):
     """Whether the option nearest to a place misleads there."""
     query = np.array([place])
     nearest = int(forest.nearest(query)[0][0])
-    work = make_workspace(forest.capacity, 16, 1)
-    return misleads(forest.columns, forest.heads[0], query, nearest, RADIUS, RIDGE, work)
+    work = make_workspace(16, 1)
+    return misleads(forest.columns, query, nearest, RADIUS, RIDGE, work)
 
 
 def test_an_option_misleads_beyond_the_place_where_the_choice_turns():
