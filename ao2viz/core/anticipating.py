@@ -247,6 +247,7 @@ class AnticipatingLearner:
             query,
             ANY_ACTION,
             self._rules.radius,
+            np.inf,
             work.ids[:1],
             work.distances[:1],
         )

@@ -26,7 +26,7 @@ def imagine_all(
     """Imagines every action of one option, then renews its weights."""
     for a in range(columns.weights.shape[1]):
         imagine(columns, experience, imagination, option, a, rules, work)
-    backup(columns, imagination, option, rules.slip)
+    backup(columns.weights, imagination, option, rules.slip)
 
 
 @compiled
@@ -51,7 +51,7 @@ def assimilate(
     n_rows = heads[1]
     imagine(columns, experience, imagination, option, action, rules, work)
     for n in range(recent.shape[0] - 1, -1, -1):
-        backup(columns, imagination, recent[n], rules.slip)
+        backup(columns.weights, imagination, recent[n], rules.slip)
     for _ in range(rules.refreshes):
         cursors[0] -= 1
         if cursors[0] < 0 or cursors[0] >= n_rows * n_actions:
@@ -72,7 +72,7 @@ def assimilate(
         if cursors[1] < 0 or cursors[1] >= n_rows:
             cursors[1] = n_rows - 1
         if columns.is_alive[cursors[1]]:
-            backup(columns, imagination, cursors[1], rules.slip)
+            backup(columns.weights, imagination, cursors[1], rules.slip)
 
 
 @compiled
@@ -94,7 +94,7 @@ def settle(
         moved, largest = 0.0, 0.0
         for option in range(heads[1] - 1, -1, -1):
             if columns.is_alive[option]:
-                moved = max(moved, backup(columns, imagination, option, rules.slip))
+                moved = max(moved, backup(columns.weights, imagination, option, rules.slip))
                 largest = max(largest, abs(imagination.value[option]))
         if moved <= _SETTLED * largest:
             return sweep + 1
@@ -125,7 +125,12 @@ def keep_stories(
         worth = reward
         if end >= 0:
             worth += discount * imagination.value[end]
-        kept = story_value(imagination, options[n], actions[n])
+        kept = story_value(
+            imagination.story_reward[options[n], actions[n]],
+            imagination.story_discount[options[n], actions[n]],
+            imagination.story_end[options[n], actions[n]],
+            imagination.value,
+        )
         if np.isnan(kept) or worth > kept:
             imagination.story_reward[options[n], actions[n]] = reward
             imagination.story_discount[options[n], actions[n]] = 0.0 if end < 0 else discount

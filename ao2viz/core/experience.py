@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns
 from ao2viz.core.compiled import compiled
-from ao2viz.core.inference import Workspace, kernel_width, sharp_closeness, solve_local_linear
-from ao2viz.core.search import find_nearest
+from ao2viz.core.inference import Workspace, sharp_closeness, solve_local_linear
+from ao2viz.core.search import find_nearest, kernel_width
 
 # A prediction needs an option that tried the action within this many radii.
 _KNOWN_WITHIN = 4.0
@@ -105,7 +105,7 @@ def predict(
     """
     reach = _KNOWN_WITHIN * radius
     count = find_nearest(
-        columns, state, action, 1.5 * reach, work.ids, work.distances
+        columns, state, action, 1.5 * reach, radius, work.ids, work.distances
     )
     if count == 0 or work.distances[0] > reach:
         return False

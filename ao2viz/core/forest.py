@@ -150,7 +150,7 @@ class Forest:
         """
         ids, distances = np.empty(count, np.int64), np.empty(count, np.float64)
         query = self.attention * np.asarray(observation, np.float64)
-        found = find_nearest(self.columns, query, action, np.inf, ids, distances)
+        found = find_nearest(self.columns, query, action, np.inf, np.inf, ids, distances)
         return ids[:found], distances[:found]
 
     def remove(self, option: int, step: int, heir: int = NO_OPTION) -> list[GrowthEvent]:

@@ -125,13 +125,15 @@ def imagine(
 
 
 @compiled
-def backup(columns: Columns, imagination: Imagination, option: int, slip: float) -> float:
-    """Renews an option's weights from its stories; returns by how much its value moved.
+def backup(
+    weights: NDArray[np.float64], imagination: Imagination, option: int, slip: float
+) -> float:
+    """Renews an option's weights [C, A] from its stories; returns by how much its value moved.
 
     A weight is what the imagined story earns plus what is expected where it ends, or what the
     best real trace earned, if that is more. Where nothing is known it is 0.
     """
-    for a in range(columns.weights.shape[1]):
+    for a in range(weights.shape[1]):
         weight = 0.0
         known = imagination.steps[option, a] > 0
         if known:
@@ -142,11 +144,16 @@ def backup(columns: Columns, imagination: Imagination, option: int, slip: float)
                     break
                 after += imagination.end_shares[option, a, n] * imagination.value[end]
             weight = imagination.reward[option, a] + imagination.discount[option, a] * after
-        story = story_value(imagination, option, a)
+        story = story_value(
+            imagination.story_reward[option, a],
+            imagination.story_discount[option, a],
+            imagination.story_end[option, a],
+            imagination.value,
+        )
         if not np.isnan(story) and (not known or story > weight):
             weight = story
-        columns.weights[option, a] = weight
-    worth = worth_of(columns.weights[option], slip)
+        weights[option, a] = weight
+    worth = worth_of(weights[option], slip)
     change = abs(worth - imagination.value[option])
     imagination.value[option] = worth
     return change
@@ -168,10 +175,6 @@ def worth_of(weights: NDArray[np.float64], slip: float) -> float:
 
 
 @compiled
-def story_value(imagination: Imagination, option: int, action: int) -> float:
-    """What the kept real trace is worth today; NaN if none is kept."""
-    worth = imagination.story_reward[option, action]
-    end = imagination.story_end[option, action]
-    if end >= 0:
-        worth += imagination.story_discount[option, action] * imagination.value[end]
-    return worth
+def story_value(reward: float, discount: float, end: int, value: NDArray[np.float64]) -> float:
+    """What a kept real trace is worth today; NaN if none is kept."""
+    return reward + discount * value[end] if end >= 0 else reward

@@ -10,7 +10,7 @@ from ao2viz.core.columns import Columns, distance
 from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest
-from ao2viz.core.search import ANY_ACTION, find_nearest
+from ao2viz.core.search import ANY_ACTION, find_nearest, kernel_width
 
 
 class Workspace(NamedTuple):
@@ -40,12 +40,6 @@ def make_workspace(voters: int, n_features: int) -> Workspace:
         np.empty(n_features + 2),
         np.empty(n_features),
     )
-
-
-@compiled
-def kernel_width(nearest: float, radius: float) -> float:
-    """How far options still have a say: two radii, or half again as far as the nearest."""
-    return max(2.0 * radius, 1.5 * nearest)
 
 
 @compiled
@@ -150,10 +144,12 @@ def find_shares(
     is_deciding: bool,
     work: Workspace,
 ) -> int:
-    """Writes the most similar options and their shares (at least 0, sum 1); returns how many."""
-    count = find_nearest(
-        columns, query, ANY_ACTION, np.inf, work.ids, work.distances
-    )
+    """Writes the most similar options and their shares (at least 0, sum 1); returns how many.
+
+    A decision tells of all that were asked, also of those too far away to have a say.
+    """
+    heard = np.inf if is_deciding else radius
+    count = find_nearest(columns, query, ANY_ACTION, np.inf, heard, work.ids, work.distances)
     if count == 0:
         return 0
     width = kernel_width(work.distances[0], radius)

@@ -14,9 +14,14 @@ from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns
 from ao2viz.core.compiled import compiled
-from ao2viz.core.index import Index
 
 ANY_ACTION = -1
+
+
+@compiled
+def kernel_width(nearest: float, radius: float) -> float:
+    """How far options still have a say: two radii, or half again as far as the nearest."""
+    return max(2.0 * radius, 1.5 * nearest)
 
 
 @compiled
@@ -25,37 +30,40 @@ def find_nearest(
     query: NDArray[np.float64],
     action: int,
     limit: float,
+    radius: float,
     ids: NDArray[np.int64],
     distances: NDArray[np.float64],
 ) -> int:
     """Writes the nearest options, closest first, into `ids` and `distances`; returns how many.
 
     Ties go to the oldest option. With an `action` only options that tried it count. Options
-    farther than `limit` are left out.
+    farther than `limit` are left out, and so are those that have no say at this `radius` (inf:
+    none), which shortens the search most.
     """
     index = columns.index
+    nodes, boxes, points, gaps = index.nodes, index.boxes, index.points, index.gaps
+    waiting, bounds = index.stack["node"], index.stack["bound"]
     wanted = ids.shape[0]
     found = 0
     worst = limit
-    waiting, bounds, gaps = index.stack["node"], index.stack["bound"], index.gaps
     waiting[0], bounds[0] = 0, 0.0
     height = 1
     while height > 0:
         height -= 1
         node = waiting[height]
         # The cheap bound first: how far the dividing plane is.
-        if bounds[height] > worst or _box_distance(index, node, query) > worst:
+        if bounds[height] > worst or _box_distance(boxes, node, query) > worst:
             continue
-        while index.nodes["axis"][node] >= 0:
-            gap = query[index.nodes["axis"][node]] - index.nodes["split"][node]
-            child = index.nodes["below"][node]
+        while nodes["axis"][node] >= 0:
+            gap = query[nodes["axis"][node]] - nodes["split"][node]
+            child = nodes["below"][node]
             waiting[height] = child if gap >= 0.0 else child + 1
             bounds[height] = abs(gap)
             height += 1
             node = child + 1 if gap >= 0.0 else child
-        bucket = index.nodes["below"][node]
+        bucket = nodes["below"][node]
         while bucket >= 0:
-            _measure(index, bucket, query)
+            _measure(points, bucket, query, gaps)
             for n in range(index.buckets["fill"][bucket]):
                 d = gaps[n]
                 if d > worst:
@@ -66,7 +74,7 @@ def find_nearest(
                 if found < wanted:
                     slot = found
                     found += 1
-                elif d < worst or option < ids[wanted - 1]:
+                elif d < distances[wanted - 1] or option < ids[wanted - 1]:
                     slot = wanted - 1
                 else:
                     continue
@@ -78,34 +86,42 @@ def find_nearest(
                     slot -= 1
                 distances[slot] = d
                 ids[slot] = option
+                if slot == 0:
+                    worst = min(worst, kernel_width(d, radius))
                 if found == wanted:
-                    worst = distances[wanted - 1]
+                    worst = min(worst, distances[wanted - 1])
             bucket = index.buckets["next"][bucket]
+    while found > 0 and distances[found - 1] > kernel_width(distances[0], radius):
+        found -= 1
     return found
 
 
 @compiled
-def _box_distance(index: Index, node: int, query: NDArray[np.float64]) -> float:
+def _box_distance(boxes: NDArray[np.float64], node: int, query: NDArray[np.float64]) -> float:
     """L1 distance from a query to the nearest place in a node's box."""
     total = 0.0
     for d in range(query.shape[0]):
-        under = index.boxes[node, d, 0] - query[d]
-        over = query[d] - index.boxes[node, d, 1]
+        under = boxes[node, d, 0] - query[d]
+        over = query[d] - boxes[node, d, 1]
         total += max(max(under, over), 0.0)
     return total
 
 
 @compiled
-def _measure(index: Index, bucket: int, query: NDArray[np.float64]) -> None:
+def _measure(
+    points: NDArray[np.float64],
+    bucket: int,
+    query: NDArray[np.float64],
+    gaps: NDArray[np.float64],
+) -> None:
     """Writes the distance to every place of a bucket, used or not, into `gaps`.
 
     One feature after the other, and to the end of the array: so the compiler takes several
     options in one instruction.
     """
-    gaps = index.gaps
     for n in range(gaps.shape[0]):
         gaps[n] = 0.0
     for d in range(query.shape[0]):
         value = query[d]
         for n in range(gaps.shape[0]):
-            gaps[n] += abs(index.points[bucket, d, n] - value)
+            gaps[n] += abs(points[bucket, d, n] - value)
