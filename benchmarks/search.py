@@ -1,7 +1,8 @@
-"""Finding the most similar option: the forest's own search beside other exact ones.
+"""Finding the most similar options: the agent's own search beside other exact ones.
 
 Every rival answers the same queries over the same options, one after the other in one run, so
-that the ratios hold on a busy machine. Answers are compared before anything is timed.
+that the ratios hold on a busy machine. Answers are compared before anything is timed. A second
+table says what an option takes of memory.
 
     python -m benchmarks.search --sizes 1000,10000,100000,1000000 --features 4,6
 
@@ -20,15 +21,21 @@ from scipy.spatial import cKDTree
 
 import ao2viz
 from ao2viz.core.accommodation import MAX_LINKS, find_parent
+from ao2viz.core.columns import allocate
+from ao2viz.core.experience import allocate_experience
 from ao2viz.core.forest import Forest
+from ao2viz.core.imagination import allocate_imagination
 from ao2viz.core.search import ANY_ACTION, find_nearest
+from ao2viz.envs.catalogue import CATALOGUE
+from benchmarks.machine import describe_run
 
 LEVELS = 16
+COUNTS = (1, 16)
 
 
 @njit(cache=True)
 def scan(points: NDArray[np.float64], queries: NDArray[np.float64], found: NDArray[np.int64]):
-    """Brute force over one array a feature, as fast as a plain loop gets."""
+    """Brute force over one array a feature, as fast as a plain loop gets; the nearest one."""
     for q in range(queries.shape[0]):
         best, best_distance = -1, np.inf
         for i in range(points.shape[1]):
@@ -37,27 +44,32 @@ def scan(points: NDArray[np.float64], queries: NDArray[np.float64], found: NDArr
                 d += abs(points[k, i] - queries[q, k])
             if d < best_distance:
                 best, best_distance = i, d
-        found[q] = best
+        found[q, 0] = best
 
 
 @njit(cache=True)
-def walk(columns, root, queries, scratch, found):
-    """One call of the forest's search per query, as the learner makes it."""
-    ids, distances = np.empty(1, np.int64), np.empty(1)
+def ask(index, visits, queries, found):
+    """One call of the agent's search per query, as the learner makes it."""
+    ids, distances = np.empty(found.shape[1], np.int64), np.empty(found.shape[1])
     for q in range(queries.shape[0]):
-        find_nearest(columns, root, queries[q], ANY_ACTION, np.inf, scratch, ids, distances)
-        found[q] = ids[0]
+        n = find_nearest(index, visits, queries[q], ANY_ACTION, np.inf, np.inf, ids, distances)
+        for i in range(n):
+            found[q, i] = ids[i]
 
 
 def grow(points: NDArray[np.float64]) -> tuple[Forest, float]:
     """A forest of these points, inserted one by one as learning does; and seconds per insertion."""
-    forest = Forest(points.shape[1], 1, np.ones(points.shape[1]))
     links = np.empty(MAX_LINKS, np.int64)
-    find_parent(forest.columns, forest.heads[0], points[0], LEVELS, links)  # Compiles.
+
+    def insert(forest: Forest, some: NDArray[np.float64]) -> None:
+        for step, point in enumerate(some):
+            parent, _ = find_parent(forest.columns, forest.heads[0], point, LEVELS, links)
+            forest.add(point, int(parent), step)
+
+    insert(Forest(points.shape[1], 1, np.ones(points.shape[1])), points[:100])  # Compiles.
+    forest = Forest(points.shape[1], 1, np.ones(points.shape[1]))
     started = time.perf_counter()
-    for step, point in enumerate(points):
-        parent, _ = find_parent(forest.columns, forest.heads[0], point, LEVELS, links)
-        forest.add(point, int(parent), step)
+    insert(forest, points)
     return forest, (time.perf_counter() - started) / len(points)
 
 
@@ -71,8 +83,8 @@ def seconds(answer: Callable[[], object], queries: int, repeats: int = 5) -> flo
     return float(np.median(times)) / queries
 
 
-def compare(name: str, points: NDArray[np.float64], queries: NDArray[np.float64]) -> str:
-    """One row of the table: microseconds per query of each search."""
+def compare(name: str, points: NDArray[np.float64], queries: NDArray[np.float64]) -> None:
+    """Prints the rows of the table: microseconds per query of each search, for each count."""
     forest, insertion = grow(points)
     tree = cKDTree(points)
     flat = faiss.IndexFlat(points.shape[1], faiss.METRIC_L1)
@@ -80,35 +92,53 @@ def compare(name: str, points: NDArray[np.float64], queries: NDArray[np.float64]
     faiss.omp_set_num_threads(1)
     columns_first = np.ascontiguousarray(points.T)
     few = queries[: max(20, min(len(queries), 20_000_000 // len(points)))]
-    ours, brute = np.empty(len(queries), np.int64), np.empty(len(few), np.int64)
-    walk(forest.columns, forest.heads[0], queries, forest.scratch, ours)
-    scan(columns_first, few, brute)
-    np.testing.assert_array_equal(ours[: len(few)], brute)
-    np.testing.assert_array_equal(ours, tree.query(queries, p=1)[1])
-    timed = {
-        "forest": seconds(
-            lambda: walk(forest.columns, forest.heads[0], queries, forest.scratch, ours),
-            len(queries),
-        ),
-        "brute": seconds(lambda: scan(columns_first, few, brute), len(few)),
-        "tree": seconds(lambda: tree.query(queries, p=1), len(queries)),
-        "one": seconds(lambda: [tree.query(q, p=1) for q in few[:200]], len(few[:200])),
-        "faiss": seconds(lambda: flat.search(few.astype(np.float32), 1), len(few)),
-    }
-    cells = [f"{timed[key] * 1e6:,.1f}" for key in ("forest", "brute", "tree", "one", "faiss")]
-    ratio = timed["forest"] / timed["tree"]
-    return (
-        f"| {name} | {len(points):,} | {' | '.join(cells)} | {ratio:.1f} | {insertion * 1e6:.1f} |"
-    )
+    single = queries[:200]
+    places, visits = forest.columns.places, forest.columns.visits
+    index_bytes = sum(array.nbytes for array in places) / len(points)
+    brute = np.empty((len(few), 1), np.int64)
+    scanned = seconds(lambda: scan(columns_first, few, brute), len(few))
+    for k in COUNTS:
+        ours = np.empty((len(queries), k), np.int64)
+        answers = {
+            "forest": lambda ours=ours: ask(places, visits, queries, ours),
+            "tree": lambda k=k: tree.query(queries, k=k, p=1),
+            "one by one": lambda k=k: [tree.query(query, k=k, p=1) for query in single],
+            "faiss": lambda k=k: flat.search(few.astype(np.float32), k),
+        }
+        answers["forest"]()
+        np.testing.assert_array_equal(ours[: len(few), :1], brute)
+        np.testing.assert_array_equal(ours, tree.query(queries, k=[*range(1, k + 1)], p=1)[1])
+        asked = (len(queries), len(queries), len(single), len(few))
+        timed = [seconds(answer, n) for answer, n in zip(answers.values(), asked, strict=True)]
+        cells = [f"{each * 1e6:,.1f}" for each in timed]
+        cells.insert(1, f"{scanned * 1e6:,.1f}" if k == 1 else "")
+        cells += [f"{timed[0] / timed[1]:.2f}", f"{insertion * 1e6:.1f}", f"{index_bytes:.0f}"]
+        print(f"| {name} | {len(points):,} | {k} | {' | '.join(cells)} |", flush=True)
 
 
-def visited_states(env_id: str, count: int) -> NDArray[np.float64]:
-    """States that a learning agent really sees, in its own attention."""
+def visited_states(env_id: str, steps: int) -> NDArray[np.float64]:
+    """Options of an agent that learned for so long, in its own attention, in their own order."""
     agent = ao2viz.AO2(env_id, seed=0)
-    agent.learn(2 * count)
+    agent.learn(steps)
     view = agent.forest
-    states = view.values[view.is_alive] * view.attention
-    return np.random.default_rng(0).permutation(states)
+    return view.values[view.is_alive] * view.attention
+
+
+def weigh(env_id: str) -> str:
+    """One row of the second table: bytes per option of each part of a forest."""
+    agent = ao2viz.AO2(env_id, seed=0)
+    d, a = agent.forest.values.shape[1], agent.forest.weights.shape[1]
+    capacity = 1024
+    parts = [
+        allocate(capacity, d, a)[:-1],
+        allocate_experience(capacity, a, d),
+        allocate_imagination(capacity, a, agent.config.voters),
+    ]
+    cells = [sum(array.nbytes for array in part) // capacity for part in parts]
+    rng = np.random.default_rng(0)
+    forest, _ = grow(rng.random((100_000, d)))
+    cells.append(sum(array.nbytes for array in forest.columns.places) // forest.n_rows)
+    return f"| {env_id} | {d} | {a} | {' | '.join(map(str, cells))} | {sum(cells)} |"
 
 
 def main() -> None:
@@ -117,21 +147,25 @@ def main() -> None:
     parser.add_argument("--features", default="4,6")
     parser.add_argument("--queries", type=int, default=2000)
     arguments = parser.parse_args()
-    print("µs per query; `forest` / cKDTree batched is the ratio; µs per insertion.\n")
-    print(
-        "| options | count | forest | brute force | cKDTree batched | cKDTree single | faiss L1",
-        end="",
-    )
-    print(" | ratio | insertion |\n|---|---|---|---|---|---|---|---|---|")
+    print(describe_run("benchmarks.search"))
+    print("µs per query for the k most similar; ratio: forest / cKDTree batched.\n")
+    print("| options | count | k | forest | brute force | cKDTree batched | cKDTree single", end="")
+    print(" | faiss L1 | ratio | insertion | index, bytes an option |")
+    print("|---|--:|--:|--:|--:|--:|--:|--:|--:|--:|--:|")
     rng = np.random.default_rng(0)
+    for env_id in ("CartPole-v1", "Pendulum-v1", "MountainCar-v0", "Acrobot-v1"):
+        states = visited_states(env_id, 20_000)
+        is_query = rng.random(len(states)) < 0.2
+        compare(f"{env_id}, visited", states[~is_query], states[is_query])
     for d in map(int, arguments.features.split(",")):
         for n in map(int, arguments.sizes.split(",")):
             points, queries = rng.random((n, d)), rng.random((arguments.queries, d))
-            print(compare(f"uniform, {d} features", points, queries), flush=True)
-    for env_id in ("CartPole-v1", "Acrobot-v1"):
-        states = visited_states(env_id, 10_000)
-        held_out = len(states) // 5
-        print(compare(f"{env_id}, visited", states[held_out:], states[:held_out]), flush=True)
+            compare(f"uniform, {d} features", points, queries)
+    print("\nBytes per option of capacity; the index at 100,000 options.\n")
+    print("| task | features | actions | structure | experience | imagination | index | together |")
+    print("|---|--:|--:|--:|--:|--:|--:|--:|")
+    for env_id in CATALOGUE:
+        print(weigh(env_id), flush=True)
 
 
 if __name__ == "__main__":

@@ -243,7 +243,8 @@ class AnticipatingLearner:
         forest, work = self._forest, self._work
         query = forest.attention * observation
         found = find_nearest(
-            forest.columns,
+            forest.columns.places,
+            forest.columns.visits,
             query,
             ANY_ACTION,
             self._rules.radius,
@@ -303,7 +304,7 @@ class AnticipatingLearner:
         """Records a step, finds where it led, and thinks; `_here` moves on."""
         forest, option = self._forest, self._here
         record(
-            forest.columns,
+            forest.columns.visits,
             self._experience,
             option,
             step.action,

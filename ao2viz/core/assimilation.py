@@ -125,13 +125,14 @@ def keep_stories(
         worth = reward
         if end >= 0:
             worth += discount * imagination.value[end]
+        option, action = int(options[n]), int(actions[n])
         kept = story_value(
-            imagination.story_reward[options[n], actions[n]],
-            imagination.story_discount[options[n], actions[n]],
-            imagination.story_end[options[n], actions[n]],
+            imagination.story_reward[option, action],
+            imagination.story_discount[option, action],
+            int(imagination.story_end[option, action]),
             imagination.value,
         )
         if np.isnan(kept) or worth > kept:
-            imagination.story_reward[options[n], actions[n]] = reward
-            imagination.story_discount[options[n], actions[n]] = 0.0 if end < 0 else discount
-            imagination.story_end[options[n], actions[n]] = end if end >= 0 else NO_OPTION
+            imagination.story_reward[option, action] = reward
+            imagination.story_discount[option, action] = 0.0 if end < 0 else discount
+            imagination.story_end[option, action] = end if end >= 0 else NO_OPTION

@@ -27,7 +27,7 @@ class Columns(NamedTuple):
     born: NDArray[np.int64]  # [C] the agent's step at which it was made.
     weights: NDArray[np.float64]  # [C, A] what each action is expected to earn.
     visits: NDArray[np.int64]  # [C, A] how often each action was tried here.
-    index: Index  # Where the living options lie; grows at its own pace.
+    places: Index  # Where the living options lie; grows at its own pace.
 
 
 @compiled
@@ -73,7 +73,7 @@ def add_row(
     columns.weights[row] = 0.0
     columns.visits[row] = 0
     insert(columns, heads, row, parent)
-    index_option(columns.index, columns.scaled, row)
+    index_option(columns.places, columns.scaled, row)
     return row
 
 
@@ -98,5 +98,5 @@ def allocate(capacity: int, n_features: int, n_actions: int) -> Columns:
         born=np.zeros(capacity, np.int64),
         weights=np.zeros((capacity, n_actions)),
         visits=np.zeros((capacity, n_actions), np.int64),
-        index=make_index(np.zeros((0, n_features)), np.zeros(0, np.int64)),
+        places=make_index(np.zeros((0, n_features)), np.zeros(0, np.int64)),
     )

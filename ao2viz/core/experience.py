@@ -35,7 +35,7 @@ def allocate_experience(capacity: int, n_actions: int, n_features: int) -> Exper
 
 @compiled
 def record(
-    columns: Columns,
+    visits: NDArray[np.int64],
     experience: Experience,
     option: int,
     action: int,
@@ -45,9 +45,9 @@ def record(
     terminated: bool,
     cap: int,
 ) -> None:
-    """Adds one step to the running means; past `cap` visits the oldest fade."""
-    columns.visits[option, action] += 1
-    rate = np.float32(1.0 / min(columns.visits[option, action], cap))
+    """Adds one step to the running means; past `cap` of the `visits` [C, A] the oldest fade."""
+    visits[option, action] += 1
+    rate = np.float32(1.0 / min(visits[option, action], cap))
     experience.reward[option, action] += rate * (
         np.float32(reward) - experience.reward[option, action]
     )
@@ -105,7 +105,14 @@ def predict(
     """
     reach = _KNOWN_WITHIN * radius
     count = find_nearest(
-        columns, state, action, 1.5 * reach, radius, work.ids, work.distances
+        columns.places,
+        columns.visits,
+        state,
+        action,
+        1.5 * reach,
+        radius,
+        work.ids,
+        work.distances,
     )
     if count == 0 or work.distances[0] > reach:
         return False

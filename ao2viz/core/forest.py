@@ -74,7 +74,7 @@ class Forest:
     """The options of one agent. Mutable: exactly one owner; everyone else reads a `view()`.
 
     Rule: only this file and the compiled accommodation that calls `add_row` write to the
-    structure columns (parents, children, is_alive, index). Weights and visits belong to
+    structure columns (parents, children, is_alive, places). Weights and visits belong to
     assimilation.
     """
 
@@ -99,7 +99,7 @@ class Forest:
         return len(self.columns.parents)
 
     def reserve(self, rows: int) -> None:
-        """Grows the arrays, by doubling, until `rows` more options fit."""
+        """Grows the arrays, by doubling, until `rows` more options fit; and the index for one."""
         capacity = self.capacity
         while capacity < self.n_rows + rows:
             capacity *= 2
@@ -107,12 +107,14 @@ class Forest:
             grown = allocate(capacity, self.n_features, self.n_actions)
             for old, new in zip(self.columns[:-1], grown[:-1], strict=True):
                 new[: self.n_rows] = old[: self.n_rows]
-            self.columns = grown._replace(index=self.columns.index)
+            self.columns = grown._replace(places=self.columns.places)
+        places = with_room(self.columns.places)
+        if places is not self.columns.places:
+            self.columns = self.columns._replace(places=places)
 
     def add(self, value: NDArray[np.float64], parent: int, step: int) -> GrowthEvent:
         """Adds an option below `parent` (NO_OPTION: as a root of a new schema)."""
         self.reserve(1)
-        self._reserve_index()
         value = np.asarray(value, np.float64)
         option = add_row(self.columns, self.heads, value, self.attention * value, parent, step)
         self.revision += 1
@@ -150,7 +152,10 @@ class Forest:
         """
         ids, distances = np.empty(count, np.int64), np.empty(count, np.float64)
         query = self.attention * np.asarray(observation, np.float64)
-        found = find_nearest(self.columns, query, action, np.inf, np.inf, ids, distances)
+        columns = self.columns
+        found = find_nearest(
+            columns.places, columns.visits, query, action, np.inf, np.inf, ids, distances
+        )
         return ids[:found], distances[:found]
 
     def remove(self, option: int, step: int, heir: int = NO_OPTION) -> list[GrowthEvent]:
@@ -160,7 +165,7 @@ class Forest:
             raise ValueError(f"There is no living option {option} to remove.")
         parent = int(columns.parents[option])
         self._unhook(option)
-        forget_option(columns.index, columns.scaled, option)
+        forget_option(columns.places, columns.scaled, option)
         columns.is_alive[option] = False
         columns.parents[option] = NO_OPTION
         events = [GrowthEvent(step, GrowthKind.REMOVED, option, heir)]
@@ -218,9 +223,9 @@ class Forest:
 
     def replant(self, option: int, parent: int) -> None:
         """Puts an uprooted option back, below `parent` (NO_OPTION: as a root)."""
-        self._reserve_index()
+        self.reserve(0)
         insert(self.columns, self.heads, option, parent)
-        index_option(self.columns.index, self.columns.scaled, option)
+        index_option(self.columns.places, self.columns.scaled, option)
 
     def merge_away(self, option: int, heir: int, step: int) -> GrowthEvent:
         """Cleanses an uprooted option whose experience went to `heir`."""
@@ -329,7 +334,7 @@ class Forest:
             assert len(seen) <= n, "The tree has a cycle."
         assert sorted(seen) == alive.tolist(), "Tree and living options differ."
         np.testing.assert_array_equal(columns.scaled[:n], columns.values[:n] * self.attention)
-        check_index(columns.index, columns.scaled[:n], columns.is_alive[:n])
+        check_index(columns.places, columns.scaled[:n], columns.is_alive[:n])
         assert len(np.unique(self.links, axis=0)) == self.n_links, "A link is there twice."
         for parent, child in self.links:
             assert columns.is_alive[parent], f"A link leads from cleansed option {parent}."
@@ -363,12 +368,7 @@ class Forest:
 
     def _index(self, options: NDArray[np.int64]) -> None:
         """Builds the index anew, of just these options."""
-        self.columns = self.columns._replace(index=make_index(self.columns.scaled, options))
-
-    def _reserve_index(self) -> None:
-        index = with_room(self.columns.index)
-        if index is not self.columns.index:
-            self.columns = self.columns._replace(index=index)
+        self.columns = self.columns._replace(places=make_index(self.columns.scaled, options))
 
 
 def _parents_first(parents: NDArray[np.int64], is_alive: NDArray[np.bool_]) -> NDArray[np.int64]:

@@ -96,9 +96,7 @@ def imagine(
     reward, discount = 0.0, 1.0
     steps = 0
     while steps < rules.imagine_limit:
-        if not predict(
-            columns, experience, state, action, rules.radius, rules.effect_ridge, work
-        ):
+        if not predict(columns, experience, state, action, rules.radius, rules.effect_ridge, work):
             break
         steps += 1
         reward += discount * work.effect[n_features]

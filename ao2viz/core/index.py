@@ -36,17 +36,18 @@ class Index(NamedTuple):
     buckets: NDArray[np.void]  # [B] of _BUCKET.
     points: NDArray[np.float64]  # [B, D, BUCKET] scaled values.
     ids: NDArray[np.int32]  # [B, BUCKET]
-    stack: NDArray[np.void]  # [B] of _WAITING; work space of every walk, as is `gaps`.
+    waiting: NDArray[np.int32]  # [B] nodes still to be seen: work space of every walk.
+    bounds: NDArray[np.float64]  # [B] work space of the search, as is `gaps`.
     gaps: NDArray[np.float64]  # [BUCKET]
 
 
 _NODE = np.dtype(
     [
+        ("split", np.float64),  # Options of at least this go to the second child.
         ("axis", np.int32),  # The feature that the node splits, NONE at a leaf.
         ("below", np.int32),  # The first child; at a leaf, its first bucket.
         ("count", np.int32),  # Options below; in a free pair, the next free one.
         ("review", np.int32),  # The count at which it is next asked whether it is lopsided.
-        ("split", np.float64),  # Options of at least this go to the second child.
     ]
 )
 _BUCKET = np.dtype(
@@ -55,7 +56,6 @@ _BUCKET = np.dtype(
         ("next", np.int32),  # The next bucket of the same leaf, or NONE.
     ]
 )
-_WAITING = np.dtype([("bound", np.float64), ("node", np.int32)], align=True)
 _ROOM, _NODES, _BUCKETS, _FREE_PAIR, _FREE_BUCKET = range(5)
 
 
@@ -91,7 +91,8 @@ def _allocate(buckets: int, n_features: int) -> Index:
         buckets=np.zeros(buckets, _BUCKET),
         points=np.zeros((buckets, n_features, BUCKET)),
         ids=np.zeros((buckets, BUCKET), np.int32),
-        stack=np.zeros(buckets, _WAITING),
+        waiting=np.zeros(buckets, np.int32),
+        bounds=np.zeros(buckets),
         gaps=np.zeros(BUCKET),
     )
 
@@ -183,11 +184,11 @@ def _put(index: Index, scaled: NDArray[np.float64], bucket: int, option: int) ->
 def _release(index: Index, top: int, options: NDArray[np.int64]) -> int:
     """Frees all that is below a node; writes its options and returns how many."""
     found = 0
-    index.stack["node"][0] = top
+    index.waiting[0] = top
     height = 1
     while height > 0:
         height -= 1
-        node = index.stack["node"][height]
+        node = index.waiting[height]
         below = index.nodes["below"][node]
         if index.nodes["axis"][node] < 0:
             while below >= 0:
@@ -200,8 +201,8 @@ def _release(index: Index, top: int, options: NDArray[np.int64]) -> int:
                 index.heads[_ROOM] += 1
                 below = following
         else:
-            index.stack["node"][height] = below
-            index.stack["node"][height + 1] = below + 1
+            index.waiting[height] = below
+            index.waiting[height + 1] = below + 1
             height += 2
             # What is below the pair is still to be read, its counts are not.
             index.nodes["count"][below] = index.heads[_FREE_PAIR]
@@ -210,18 +211,16 @@ def _release(index: Index, top: int, options: NDArray[np.int64]) -> int:
 
 
 @compiled
-def _build(
-    index: Index, scaled: NDArray[np.float64], top: int, options: NDArray[np.int64]
-) -> None:
+def _build(index: Index, scaled: NDArray[np.float64], top: int, options: NDArray[np.int64]) -> None:
     """Builds the tree of these options, which it sorts, below a node that has nothing below."""
     spare = index.heads[_ROOM] - _buckets_for(options.shape[0])
     index.nodes["count"][top] = options.shape[0]
-    index.stack["node"][0] = top
+    index.waiting[0] = top
     height, done = 1, 0
     while height > 0:
         height -= 1
-        node = index.stack["node"][height]
-        count = index.nodes["count"][node]
+        node = index.waiting[height]
+        count = int(index.nodes["count"][node])
         own = options[done : done + count]
         axis = _fit_box(index, scaled, node, own)
         if count <= BUCKET or spare < 1 or _are_alike(index, node):
@@ -248,8 +247,8 @@ def _build(
         index.nodes["count"][child], index.nodes["count"][child + 1] = middle, count - middle
         spare -= _buckets_for(middle) + _buckets_for(count - middle) - _buckets_for(count)
         # The first child on top: `own` is then always what comes next in `options`.
-        index.stack["node"][height] = child + 1
-        index.stack["node"][height + 1] = child
+        index.waiting[height] = child + 1
+        index.waiting[height + 1] = child
         height += 2
 
 
@@ -342,7 +341,9 @@ def check_index(index: Index, scaled: NDArray[np.float64], is_alive: NDArray[np.
         while child != NONE:
             n = index.buckets["fill"][child]
             kept += index.ids[child, :n].tolist()
-            np.testing.assert_array_equal(index.points[child, :, :n].T, scaled[kept[len(kept) - n :]])
+            np.testing.assert_array_equal(
+                index.points[child, :, :n].T, scaled[kept[len(kept) - n :]]
+            )
             buckets.append(child)
             child = int(index.buckets["next"][child])
         assert sorted(kept) == below.tolist(), f"Leaf {node} keeps other options than its own."

@@ -149,7 +149,9 @@ def find_shares(
     A decision tells of all that were asked, also of those too far away to have a say.
     """
     heard = np.inf if is_deciding else radius
-    count = find_nearest(columns, query, ANY_ACTION, np.inf, heard, work.ids, work.distances)
+    count = find_nearest(
+        columns.places, columns.visits, query, ANY_ACTION, np.inf, heard, work.ids, work.distances
+    )
     if count == 0:
         return 0
     width = kernel_width(work.distances[0], radius)

@@ -12,8 +12,8 @@ sum into a greater one.
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.columns import Columns
 from ao2viz.core.compiled import compiled
+from ao2viz.core.index import Index
 
 ANY_ACTION = -1
 
@@ -26,7 +26,8 @@ def kernel_width(nearest: float, radius: float) -> float:
 
 @compiled
 def find_nearest(
-    columns: Columns,
+    index: Index,
+    visits: NDArray[np.int64],
     query: NDArray[np.float64],
     action: int,
     limit: float,
@@ -36,16 +37,15 @@ def find_nearest(
 ) -> int:
     """Writes the nearest options, closest first, into `ids` and `distances`; returns how many.
 
-    Ties go to the oldest option. With an `action` only options that tried it count. Options
-    farther than `limit` are left out, and so are those that have no say at this `radius` (inf:
-    none), which shortens the search most.
+    Ties go to the oldest option. With an `action` only options that tried it count, as `visits`
+    [C, A] tells. Options farther than `limit` are left out, and so are those that would have no
+    say at this `radius` (inf: all have); the nearer the nearest, the shorter the search.
     """
-    index = columns.index
     nodes, boxes, points, gaps = index.nodes, index.boxes, index.points, index.gaps
-    waiting, bounds = index.stack["node"], index.stack["bound"]
     wanted = ids.shape[0]
     found = 0
     worst = limit
+    waiting, bounds = index.waiting, index.bounds
     waiting[0], bounds[0] = 0, 0.0
     height = 1
     while height > 0:
@@ -57,11 +57,12 @@ def find_nearest(
         while nodes["axis"][node] >= 0:
             gap = query[nodes["axis"][node]] - nodes["split"][node]
             child = nodes["below"][node]
-            waiting[height] = child if gap >= 0.0 else child + 1
+            is_second = 1 if gap >= 0.0 else 0
+            node = child + is_second
+            waiting[height] = child + 1 - is_second
             bounds[height] = abs(gap)
             height += 1
-            node = child + 1 if gap >= 0.0 else child
-        bucket = nodes["below"][node]
+        bucket = int(nodes["below"][node])
         while bucket >= 0:
             _measure(points, bucket, query, gaps)
             for n in range(index.buckets["fill"][bucket]):
@@ -69,7 +70,7 @@ def find_nearest(
                 if d > worst:
                     continue
                 option = index.ids[bucket, n]
-                if action >= 0 and columns.visits[option, action] == 0:
+                if action >= 0 and visits[option, action] == 0:
                     continue
                 if found < wanted:
                     slot = found
@@ -103,7 +104,7 @@ def _box_distance(boxes: NDArray[np.float64], node: int, query: NDArray[np.float
     for d in range(query.shape[0]):
         under = boxes[node, d, 0] - query[d]
         over = query[d] - boxes[node, d, 1]
-        total += max(max(under, over), 0.0)
+        total += max(under, over, 0.0)
     return total
 
 

@@ -10,9 +10,12 @@ import ao2viz
 ASK = """
 import numpy as np
 from ao2viz.core.forest import Forest
+from ao2viz.core.inference import trace_paths
 forest = Forest(1, 1, np.ones(1))
 forest.add(np.array([3.0]), -1, 0)
-print(forest.nearest(np.array([1.0]))[1][0])
+paths, distances = np.zeros((1, 1), np.int64), np.zeros((1, 1))
+trace_paths(forest.columns, np.array([1.0]), np.array([0]), paths, distances)
+print(distances[0, 0])
 """
 
 
@@ -29,7 +32,7 @@ def test_an_upgraded_file_is_not_answered_with_code_compiled_before(tmp_path):
     assert ask(tmp_path) == 2.0
     columns = tmp_path / "ao2viz" / "core" / "columns.py"
     text = columns.read_text()
-    # `find_nearest` stands in another file, and its cached code has `distance` inside.
+    # `trace_paths` stands in another file, and its cached code has `distance` inside.
     assert text.count("total += abs(") == 1
     columns.write_text(text.replace("total += abs(", "total += 10 * abs("))
     assert ask(tmp_path) == 20.0
