@@ -63,7 +63,16 @@ def grow(points: NDArray[np.float64]) -> tuple[Forest, float]:
 
     def insert(forest: Forest, some: NDArray[np.float64]) -> None:
         for step, point in enumerate(some):
-            parent, _ = find_parent(forest.columns, forest.heads[0], point, LEVELS, links)
+            columns = forest.columns
+            parent, _ = find_parent(
+                columns.scaled,
+                columns.first_child,
+                columns.next_sibling,
+                forest.heads[0],
+                point,
+                LEVELS,
+                links,
+            )
             forest.add(point, int(parent), step)
 
     insert(Forest(points.shape[1], 1, np.ones(points.shape[1])), points[:100])  # Compiles.

@@ -21,7 +21,9 @@ _MISLEADING_LOSS = 5e-4
 
 @compiled
 def find_parent(
-    columns: Columns,
+    scaled: NDArray[np.float64],
+    first_child: NDArray[np.int64],
+    next_sibling: NDArray[np.int64],
     first_root: int,
     query: NDArray[np.float64],
     levels: int,
@@ -31,7 +33,8 @@ def find_parent(
 
     From the nearest root within radius 1 down into the nearest child that covers the query; the
     radius halves at each level. Siblings of the parent that cover it as well are written to
-    `links`: they become parents beside the tree.
+    `links`: they become parents beside the tree. Takes three of the columns rather than all:
+    handing them over costs more than the descent.
     """
     parent = NO_OPTION
     radius = 1.0
@@ -42,14 +45,14 @@ def find_parent(
         best_distance = radius
         found = 0
         while child >= 0:
-            d = distance(columns.scaled, child, query)
+            d = distance(scaled, child, query)
             if d <= radius:
                 if best < 0 or d < best_distance or (d == best_distance and child < best):
                     best, best_distance = child, d
                 if found < MAX_LINKS:
                     links[found] = child
                     found += 1
-            child = columns.next_sibling[child]
+            child = next_sibling[child]
         if best < 0:
             break
         parent = best
@@ -58,7 +61,7 @@ def find_parent(
             if links[n] != parent:
                 links[covering] = links[n]
                 covering += 1
-        child = columns.first_child[parent]
+        child = first_child[parent]
         radius *= 0.5
     return parent, covering
 

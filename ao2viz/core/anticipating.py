@@ -291,8 +291,15 @@ class AnticipatingLearner:
     ) -> int:
         self._reserve()
         forest, links = self._forest, np.empty(MAX_LINKS, np.int64)
+        columns = forest.columns
         parent, covering = find_parent(
-            forest.columns, forest.heads[0], query, self._rules.levels, links
+            columns.scaled,
+            columns.first_child,
+            columns.next_sibling,
+            forest.heads[0],
+            query,
+            self._rules.levels,
+            links,
         )
         created = forest.add(observation, int(parent), self.n_steps)
         events.append(created)

@@ -38,8 +38,15 @@ def regrow(
             merge(forest.columns, experience, option, heir, rules.cap)
             events.append(forest.merge_away(option, heir, step))
             continue
+        columns = forest.columns
         parent, covering = find_parent(
-            forest.columns, forest.heads[0], forest.columns.scaled[option], rules.levels, links
+            columns.scaled,
+            columns.first_child,
+            columns.next_sibling,
+            forest.heads[0],
+            columns.scaled[option],
+            rules.levels,
+            links,
         )
         forest.replant(option, int(parent))
         if parent != old_parents[option]:
