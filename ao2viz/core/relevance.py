@@ -72,7 +72,7 @@ def _add_slopes(
     """Adds up how steeply the advantages [N, A] change along each feature of `scaled` [N, D].
 
     A local linear fit at each of the `sampled` options; over the actions, root of the sum of
-    squares. The neighbours are found by looking at all: the forest searches under its own
+    squares. The neighbours are found by looking at all: the index knows the forest's own
     attention only.
     """
     n_options, n_features = scaled.shape
