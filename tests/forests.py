@@ -92,6 +92,7 @@ def decision(**changes: object) -> Decision:
         voters=np.array([4, 1]),
         shares=np.array([0.75, 0.25]),
         voter_weights=view.weights[[4, 1]],
+        slopes=np.zeros((2, 4)),
         paths=paths,
         path_distances=np.where(paths == NO_OPTION, np.nan, distances[paths]),
         runner_up_option=1,

@@ -231,7 +231,7 @@ def test_recorded_episodes_are_greedy_and_explain_each_step():
 
 
 def test_catalogued_settings_come_first_and_overrides_win():
-    assert AO2("CartPole-v1").config.attention_width == 6.0
+    assert AO2("CartPole-v1").config.attention_width == 5.0
     assert AO2("CartPole-v1", attention_width=3.0, levels=2).config.attention_width == 3.0
     assert AO2("Pendulum-v1", "paper").config.trace_length == 18
     assert AO2("Pendulum-v1", action_bins=7).spec.n_actions == 7

@@ -1,22 +1,14 @@
-"""Accommodation: making room in the forest for what no option stands for yet.
-
-An option does not stand for what is too far from it, nor for a place where its advice is wrong.
-"""
+"""Accommodation: making room in the forest for what no option stands for yet."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.columns import Columns, distance
+from ao2viz.core.columns import distance
 from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION
-from ao2viz.core.inference import Workspace, weigh_actions
 
 MAX_LINKS = 32
 """The most extra parents a new option is linked to."""
-
-# An advice misleads if by the vote it costs more than this fraction of what is expected there:
-# less is noise, and splitting on it makes options without end.
-_MISLEADING_LOSS = 5e-4
 
 
 @compiled
@@ -64,24 +56,3 @@ def find_parent(
         child = first_child[parent]
         radius *= 0.5
     return parent, covering
-
-
-@compiled
-def misleads(
-    columns: Columns,
-    query: NDArray[np.float64],
-    option: int,
-    radius: float,
-    ridge: float,
-    work: Workspace,
-) -> bool:
-    """Whether the vote at this (scaled) query expects to lose by an option's preferred action.
-
-    Where those around disagree about what to do, finer options are worth their room (the policy
-    disagreement of Munos and Moore, Variable Resolution Discretization in Optimal Control,
-    Machine Learning, 2002; here the vote is the judge).
-    """
-    action_values = np.empty(columns.weights.shape[1])
-    weigh_actions(columns, query, True, radius, ridge, work, action_values)
-    loss = action_values.max() - action_values[np.argmax(columns.weights[option])]
-    return loss > _MISLEADING_LOSS * np.abs(action_values).max()

@@ -9,17 +9,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.accommodation import MAX_LINKS, find_parent, misleads
+from ao2viz.core.accommodation import MAX_LINKS, find_parent
 from ao2viz.core.arrays import Arrays, take_array
 from ao2viz.core.assimilation import assimilate, imagine_all, keep_stories, settle
 from ao2viz.core.attention import RunningSpread, attention_from, has_changed
-from ao2viz.core.config import AnticipatingConfig
+from ao2viz.core.config import MAX_VOTERS, AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.experience import allocate_experience, record
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
 from ao2viz.core.imagination import allocate_imagination, rules_of, worth_of
-from ao2viz.core.inference import act, decide, make_workspace
+from ao2viz.core.inference import Reading, act, count_ends, decide
+from ao2viz.core.local_linear import make_workspace
 from ao2viz.core.regrowth import regrow
 from ao2viz.core.relevance import find_relevance
 from ao2viz.core.search import ANY_ACTION, find_nearest
@@ -45,6 +46,7 @@ class AnticipatingLearner:
         self._rng = rng
         self._n_features = len(ranges)
         self._n_actions = n_actions
+        self._n_ends = count_ends(config.voters, self._n_features)
         self._rules = rules_of(config)
         self._spread = RunningSpread(self._n_features)
         self._grown_at = np.zeros(self._n_features)  # Deviations that attention is measured by.
@@ -107,25 +109,11 @@ class AnticipatingLearner:
 
     def decide_at(self, observation: NDArray[np.float64]) -> Decision:
         """What it would do if it saw this; see `Learner`."""
-        return decide(
-            self._forest,
-            observation,
-            self.config.decide_by,
-            self._rules.radius,
-            self._rules.share_ridge,
-            self._work,
-        )
+        return decide(self._forest, observation, self._reading(), self._work)
 
     def act_at(self, observation: NDArray[np.float64]) -> int:
         """The action of `decide_at`; see `Learner`."""
-        return act(
-            self._forest,
-            observation,
-            self.config.decide_by,
-            self._rules.radius,
-            self._rules.share_ridge,
-            self._work,
-        )
+        return act(self._forest, observation, self._reading(), self._work)
 
     def sleep(self) -> None:
         """Imagines everything anew and lets the values settle; see `Learner`."""
@@ -171,7 +159,9 @@ class AnticipatingLearner:
         forest.set_state(state)
         n, a, d = forest.n_rows, self._n_actions, self._n_features
         experience = allocate_experience(forest.capacity, a, d)
-        imagination = allocate_imagination(forest.capacity, a, self.config.voters)
+        # Files of format 1 keep room for more ends than are needed now; they may.
+        ends = max(self._n_ends, state.get("imagination_end_ids", np.empty(0)).shape[-1])
+        imagination = allocate_imagination(forest.capacity, a, min(ends, MAX_VOTERS))
         for prefix, columns in (("experience", experience), ("imagination", imagination)):
             for name, column in columns._asdict().items():
                 if name != "value":
@@ -202,6 +192,9 @@ class AnticipatingLearner:
         self._grown_at = grown_at.copy()
         self._waiting = [Transition.from_row(row) for row in waiting]
 
+    def _reading(self) -> Reading:
+        return Reading(self.config.decide_by, self.config.share_ridge, has_outlook=True)
+
     def _epsilon(self) -> float:
         config = self.config
         if self.n_steps < config.warmup_steps:
@@ -220,8 +213,8 @@ class AnticipatingLearner:
         self._forest = forest
         capacity, a, d = forest.capacity, self._n_actions, self._n_features
         self._experience = allocate_experience(capacity, a, d)
-        self._imagination = allocate_imagination(capacity, a, self.config.voters)
-        self._work = make_workspace(self.config.voters, d)
+        self._imagination = allocate_imagination(capacity, a, self._n_ends)
+        self._work = make_workspace(self.config.voters, d, a)
 
     def _reserve(self) -> None:
         """Makes room for one more option in every array at once."""
@@ -231,7 +224,8 @@ class AnticipatingLearner:
         if capacity == before:
             return
         experience = allocate_experience(capacity, self._n_actions, self._n_features)
-        imagination = allocate_imagination(capacity, self._n_actions, self.config.voters)
+        ends = self._imagination.end_ids.shape[2]
+        imagination = allocate_imagination(capacity, self._n_actions, ends)
         for old, new in zip(
             (*self._experience, *self._imagination), (*experience, *imagination), strict=True
         ):
@@ -252,9 +246,8 @@ class AnticipatingLearner:
             work.ids[:1],
             work.distances[:1],
         )
-        nearest = int(work.ids[0])
-        if found and self._will_do(nearest, float(work.distances[0]), query):
-            return nearest
+        if found:
+            return int(work.ids[0])
         option = self._accommodate(observation, query, events)
         imagine_all(
             self._forest.columns,
@@ -266,22 +259,6 @@ class AnticipatingLearner:
         )
         self._created = option
         return option
-
-    def _will_do(self, nearest: int, apart: float, query: NDArray[np.float64]) -> bool:
-        """Whether the nearest option stands for a query: it is close, or its advice is right."""
-        forest, rules = self._forest, self._rules
-        if apart <= self.config.split_distance * rules.radius:
-            return True
-        if (self._imagination.steps[nearest] == 0).any():
-            return True  # It does not know enough to give advice yet.
-        return not misleads(
-            forest.columns,
-            query,
-            nearest,
-            rules.radius,
-            rules.share_ridge,
-            self._work,
-        )
 
     def _accommodate(
         self,

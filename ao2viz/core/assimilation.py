@@ -8,7 +8,7 @@ from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience
 from ao2viz.core.imagination import Imagination, Rules, backup, imagine, story_value
-from ao2viz.core.inference import Workspace
+from ao2viz.core.local_linear import Workspace
 
 # A sweep that moves no value by more than this fraction of the largest ends the sleep.
 _SETTLED = 1e-4

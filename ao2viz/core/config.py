@@ -32,10 +32,9 @@ class Credit(Enum):
 class AnticipatingConfig:
     """Settings of the `anticipating` preset; `help(AO2)` says what each one does."""
 
-    decide_by: DecideBy = DecideBy.VOTE  # Who chooses the action; may change at any time.
-    gamma: float = 0.99  # Discount per step, in (0, 1].
+    decide_by: DecideBy = DecideBy.PATH  # Who chooses the action; may change at any time.
+    gamma: float = 0.995  # Discount per step, in (0, 1].
     levels: int = 3  # Halvings of similarity from a root (radius 1) to the finest option.
-    split_distance: float = 0.2  # Finest radii; beyond it an option that misleads is split.
     attention_width: float = 4.0  # One unit of distance is this many standard deviations.
     warmup_steps: int = 250  # Random steps before the first attention is set.
     attention_relevance: float = 1.0  # How far attention goes to what the choice depends on.
@@ -43,15 +42,15 @@ class AnticipatingConfig:
     epsilon_start: float = 1.0  # Chance of a random action at first, in [0, 1].
     epsilon_end: float = 0.03  # Chance of a random action from `epsilon_steps` on, in [0, 1].
     epsilon_steps: int = 5_000  # Steps over which exploration falls.
-    voters: int = 16  # The most options that speak in a vote or a prediction.
+    voters: int = 32  # The most options that a vote, an outlook or a prediction rests on.
     experience_cap: int = 20  # Visits after which a running mean forgets the oldest.
     effect_ridge: float = 0.01  # Steadies the local linear prediction of what follows.
-    share_ridge: float = 0.02  # Steadies the local linear shares of a vote.
+    share_ridge: float = 0.02  # Steadies the planes that votes and outlooks rest on.
     slip: float = 0.05  # Chance of a random action that every value reckons with.
     imagine_limit: int = 20  # The most repetitions of an action while imagining.
     trace_length: int = 20  # Latest options whose weights are renewed after each step.
-    refreshes: int = 4  # Imaginations renewed elsewhere after each step.
-    backups: int = 100  # Options whose weights are renewed elsewhere after each step.
+    refreshes: int = 8  # Imaginations renewed elsewhere after each step.
+    backups: int = 200  # Options whose weights are renewed elsewhere after each step.
     story_length: int = 0  # Steps of real traces kept beside imagination; 0: none.
     sleep_sweeps: int = 300  # The most sweeps over all options when `learn` ends.
 
@@ -78,11 +77,13 @@ _CLASSES: Mapping[Preset, type[Config]] = {
     Preset.PAPER: PaperConfig,
 }
 
+MAX_VOTERS = 64
+"""The most options that a decision may rest on."""
+
 # name: (smallest, largest), both allowed.
 _RANGES: Mapping[str, tuple[float, float]] = {
     "gamma": (1e-6, 1.0),
     "levels": (0, 12),
-    "split_distance": (0.0, 1.0),
     "attention_width": (1e-3, 1e6),
     "attention_relevance": (0.0, 4.0),
     "warmup_steps": (1, 10**9),
@@ -90,7 +91,7 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "epsilon_start": (0.0, 1.0),
     "epsilon_end": (0.0, 1.0),
     "epsilon_steps": (1, 10**12),
-    "voters": (1, 64),
+    "voters": (2, MAX_VOTERS),
     "experience_cap": (1, 10**9),
     "effect_ridge": (1e-9, 1e6),
     "share_ridge": (1e-9, 1e6),

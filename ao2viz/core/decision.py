@@ -16,15 +16,15 @@ class DecideBy(Enum):
     VOTE = "vote"
     """The most similar options, each weighted by its share."""
     PATH = "path"
-    """The single most similar option alone."""
+    """The single most similar option alone, and how its weights change around it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Decision:
     """One inference and everything that led to it; made when the action is chosen, never after.
 
-    `D` counts features, `A` actions, `K` the options that spoke (1 by path, up to 16 by vote, 0
-    while the forest is still empty), `P` the options on the longest path.
+    `D` counts features, `A` actions, `K` the options that spoke (1 by path, up to `voters` by vote,
+    0 while the forest is still empty), `P` the options on the longest path.
     """
 
     observation: NDArray[np.float64]  # [D] as the environment gave it.
@@ -34,6 +34,7 @@ class Decision:
     voters: NDArray[np.int64]  # [K] option ids, the most similar first.
     shares: NDArray[np.float64]  # [K] at least 0, adding up to 1.
     voter_weights: NDArray[np.float64]  # [K, A] the voters' weights at this moment.
+    slopes: NDArray[np.float64]  # [A, D] by path: what a unit of each feature adds; else 0.
     paths: NDArray[np.int64]  # [K, P] root … voter, one row a voter, padded with NO_OPTION.
     path_distances: NDArray[np.float64]  # [K, P] observation to option; NaN where padded.
     runner_up_option: int  # The second most similar option, NO_OPTION if there is none.

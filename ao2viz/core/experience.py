@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns
 from ao2viz.core.compiled import compiled
-from ao2viz.core.inference import Workspace, sharp_closeness, solve_local_linear
+from ao2viz.core.local_linear import Workspace, sharp_closeness, solve_local_linear
 from ao2viz.core.search import find_nearest, kernel_width
 
 # A prediction needs an option that tried the action within this many radii.

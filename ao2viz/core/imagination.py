@@ -10,7 +10,8 @@ from ao2viz.core.compiled import compiled
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience, predict
-from ao2viz.core.inference import Workspace, find_shares
+from ao2viz.core.inference import find_shares
+from ao2viz.core.local_linear import Workspace
 
 # An imagined repetition ends this many radii away from where it began.
 _LEAVES_AT = 1.5
@@ -61,14 +62,14 @@ class Imagination(NamedTuple):
     value: NDArray[np.float64]  # [C] what it is worth to be here; see `worth_of`.
 
 
-def allocate_imagination(capacity: int, n_actions: int, voters: int) -> Imagination:
+def allocate_imagination(capacity: int, n_actions: int, ends: int) -> Imagination:
     """Nothing imagined yet, for a forest of this capacity."""
     return Imagination(
         steps=np.zeros((capacity, n_actions), np.int32),
         reward=np.zeros((capacity, n_actions)),
         discount=np.zeros((capacity, n_actions)),
-        end_ids=np.full((capacity, n_actions, voters), NO_OPTION, np.int32),
-        end_shares=np.zeros((capacity, n_actions, voters), np.float32),
+        end_ids=np.full((capacity, n_actions, ends), NO_OPTION, np.int32),
+        end_shares=np.zeros((capacity, n_actions, ends), np.float32),
         story_reward=np.full((capacity, n_actions), np.nan),
         story_discount=np.zeros((capacity, n_actions)),
         story_end=np.full((capacity, n_actions), NO_OPTION, np.int64),
@@ -110,7 +111,7 @@ def imagine(
     imagination.discount[option, action] = discount
     if steps == 0:
         return
-    count = find_shares(columns, state, rules.radius, rules.share_ridge, False, work)
+    count = find_shares(columns, state, rules.share_ridge, False, work)
     kept = 0
     for n in range(count):
         if work.shares[n] > 0.0:

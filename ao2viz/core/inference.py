@@ -10,156 +10,73 @@ from ao2viz.core.columns import Columns, distance
 from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest
-from ao2viz.core.search import ANY_ACTION, find_nearest, kernel_width
+from ao2viz.core.local_linear import (
+    Workspace,
+    broad_closeness,
+    fit_planes,
+    sharp_closeness,
+    solve_local_linear,
+)
+from ao2viz.core.search import ANY_ACTION, find_nearest
+
+# A plane through what D features tell has D + 1 coefficients; it is fitted to so many options for
+# each of them. Imagining asks the nearest few, deciding more: many even out each one's error.
+_TO_IMAGINE = 2
+_TO_DECIDE = 3
+# Of a kernel, in scaled distance, where all that is known lies in one place.
+_NARROWEST = 1e-9
 
 
-class Workspace(NamedTuple):
-    """Work space for one query with at most K options of D features; allocated once."""
+@compiled
+def _gather(
+    columns: Columns,
+    query: NDArray[np.float64],
+    breadth: int,
+    is_sharp: bool,
+    work: Workspace,
+) -> tuple[int, float]:
+    """Finds the options that a plane at the query is fitted to, and weighs them by closeness.
 
-    ids: NDArray[np.int64]  # [K]
-    distances: NDArray[np.float64]  # [K]
-    kernel: NDArray[np.float64]  # [K] closeness of each option, in [0, 1].
-    offsets: NDArray[np.float64]  # [K, D] from the query, in kernel widths.
-    normal: NDArray[np.float64]  # [D + 1, D + 1]
-    solution: NDArray[np.float64]  # [D + 1]
-    shares: NDArray[np.float64]  # [K]
-    effect: NDArray[np.float64]  # [D + 2] displacement, reward, chance of ending.
-    state: NDArray[np.float64]  # [D] where an imagination has got to.
-
-
-def make_workspace(voters: int, n_features: int) -> Workspace:
-    """Work space for so many voters in forests of so many features."""
-    return Workspace(
-        np.empty(voters, np.int64),
-        np.empty(voters),
-        np.empty(voters),
-        np.empty((voters, n_features)),
-        np.empty((n_features + 1, n_features + 1)),
-        np.empty(n_features + 1),
-        np.empty(voters),
-        np.empty(n_features + 2),
-        np.empty(n_features),
+    There are `breadth` for each coefficient, so the kernel is narrow where options are dense and
+    wide where they are sparse (a nearest-neighbour bandwidth, as in Cleveland, 1979). Fills
+    `kernel` and `offsets`; returns how many options and the kernel's width.
+    """
+    wanted = min(work.ids.shape[0], breadth * (query.shape[0] + 1) + 1)
+    count = find_nearest(
+        columns.places,
+        columns.visits,
+        query,
+        ANY_ACTION,
+        np.inf,
+        np.inf,
+        work.ids[:wanted],
+        work.distances[:wanted],
     )
-
-
-@compiled
-def sharp_closeness(d: float, width: float) -> float:
-    """Weight of an option at distance d while imagining: only what is near tells what follows."""
-    gap = 1.0 - d / width
-    return gap * gap if gap > 0.0 else 0.0
-
-
-@compiled
-def broad_closeness(d: float, width: float) -> float:
-    """Weight of an option at distance d while deciding: many voters even out each one's error.
-
-    The tricube kernel of Cleveland (1979), 1 at the query and 0 at the kernel width.
-    """
-    gap = 1.0 - (d / width) ** 3
-    return gap * gap * gap if gap > 0.0 else 0.0
-
-
-@compiled
-def factor_local_linear(work: Workspace, count: int, ridge: float) -> None:
-    """Readies `normal` for a local linear regression around the query.
-
-    Reads `kernel` and `offsets`; `normal` becomes the Cholesky factor (lower triangle) of the
-    normal equations, with a ridge on the slopes.
-    """
-    d1 = work.offsets.shape[1] + 1
-    a = work.normal
-    total = 0.0
-    for i in range(d1):
-        for j in range(i + 1):
-            a[i, j] = 0.0
+    if count == 0:
+        return 0, 0.0
+    # The last one marks the width, unless all are equally near: none would have a say.
+    width = max(work.distances[count - 1], 1.5 * work.distances[0], _NARROWEST)
     for n in range(count):
-        k = work.kernel[n]
-        if k == 0.0:
-            continue
-        total += k
-        for i in range(1, d1):
-            ki = k * work.offsets[n, i - 1]
-            a[i, 0] += ki
-            for j in range(1, i + 1):
-                a[i, j] += ki * work.offsets[n, j - 1]
-    a[0, 0] = total
-    for i in range(1, d1):
-        a[i, i] += ridge * total
-    # The ridge keeps every pivot positive.
-    for j in range(d1):
-        s = a[j, j]
-        for k2 in range(j):
-            s -= a[j, k2] * a[j, k2]
-        a[j, j] = np.sqrt(max(s, 1e-12 * total))
-        for i in range(j + 1, d1):
-            s = a[i, j]
-            for k2 in range(j):
-                s -= a[i, k2] * a[j, k2]
-            a[i, j] = s / a[j, j]
-
-
-@compiled
-def solve_factored(work: Workspace) -> None:
-    """Solves the equations readied by `factor_local_linear` for `solution`, in place."""
-    a, c = work.normal, work.solution
-    d1 = c.shape[0]
-    for i in range(d1):
-        s = c[i]
-        for j in range(i):
-            s -= a[i, j] * c[j]
-        c[i] = s / a[i, i]
-    for i in range(d1 - 1, -1, -1):
-        s = c[i]
-        for j in range(i + 1, d1):
-            s -= a[j, i] * c[j]
-        c[i] = s / a[i, i]
-
-
-@compiled
-def solve_local_linear(work: Workspace, count: int, ridge: float) -> None:
-    """Shares whose weighted sum is the local linear (ridge) regression's value at the query.
-
-    Reads `kernel` and `offsets`, writes `shares`, which add up to 1 but may be negative. Source:
-    Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, section 6.1.1
-    (equivalent kernel), with a ridge on the slopes.
-    """
-    c = work.solution
-    factor_local_linear(work, count, ridge)
-    c[:] = 0.0
-    c[0] = 1.0
-    solve_factored(work)
-    for n in range(count):
-        s = c[0]
-        for i in range(1, c.shape[0]):
-            s += c[i] * work.offsets[n, i - 1]
-        work.shares[n] = s * work.kernel[n]
+        d = work.distances[n]
+        work.kernel[n] = sharp_closeness(d, width) if is_sharp else broad_closeness(d, width)
+        for k in range(query.shape[0]):
+            work.offsets[n, k] = (columns.scaled[work.ids[n], k] - query[k]) / width
+    return count, width
 
 
 @compiled
 def find_shares(
     columns: Columns,
     query: NDArray[np.float64],
-    radius: float,
     ridge: float,
     is_deciding: bool,
     work: Workspace,
 ) -> int:
-    """Writes the most similar options and their shares (at least 0, sum 1); returns how many.
-
-    A decision tells of all that were asked, also of those too far away to have a say.
-    """
-    heard = np.inf if is_deciding else radius
-    count = find_nearest(
-        columns.places, columns.visits, query, ANY_ACTION, np.inf, heard, work.ids, work.distances
-    )
+    """Writes the most similar options and their shares (at least 0, sum 1); returns how many."""
+    breadth = _TO_DECIDE if is_deciding else _TO_IMAGINE
+    count, _ = _gather(columns, query, breadth, not is_deciding, work)
     if count == 0:
         return 0
-    width = kernel_width(work.distances[0], radius)
-    for n in range(count):
-        d = work.distances[n]
-        work.kernel[n] = broad_closeness(d, width) if is_deciding else sharp_closeness(d, width)
-        for k in range(query.shape[0]):
-            work.offsets[n, k] = (columns.scaled[work.ids[n], k] - query[k]) / width
     solve_local_linear(work, count, ridge)
     total = 0.0
     for n in range(count):
@@ -171,25 +88,19 @@ def find_shares(
 
 
 @compiled
-def weigh_actions(
+def weigh_by_vote(
     columns: Columns,
     query: NDArray[np.float64],
-    by_vote: bool,
-    radius: float,
     ridge: float,
     work: Workspace,
     action_values: NDArray[np.float64],
 ) -> int:
-    """Writes what each action is expected to earn; returns how many options were looked at.
+    """Writes what each action is expected to earn by vote; returns how many options spoke.
 
-    The options stay in the work space. By path the first of them has all the say, and the second
-    is there as the runner-up.
+    The options and their shares stay in the work space, the closest first.
     """
-    count = find_shares(columns, query, radius, ridge, True, work)
-    if not by_vote and count > 0:
-        work.shares[0] = 1.0
-        for n in range(1, count):
-            work.shares[n] = 0.0
+    count = find_shares(columns, query, ridge, True, work)
+    work.slopes[:] = 0.0
     for a in range(action_values.shape[0]):
         total = 0.0
         for n in range(count):
@@ -197,6 +108,68 @@ def weigh_actions(
                 total += work.shares[n] * columns.weights[work.ids[n], a]
         action_values[a] = total
     return count
+
+
+@compiled
+def weigh_by_path(
+    columns: Columns,
+    query: NDArray[np.float64],
+    has_outlook: bool,
+    ridge: float,
+    work: Workspace,
+    action_values: NDArray[np.float64],
+) -> int:
+    """Writes what each action is expected to earn by the single most similar option.
+
+    With an outlook that is the plane fitted around the option, followed to the query; else its
+    weights as they are. Returns how many options stay in the work space: that one, and the second
+    nearest as the runner-up.
+    """
+    work.slopes[:] = 0.0
+    action_values[:] = 0.0
+    found = find_nearest(
+        columns.places,
+        columns.visits,
+        query,
+        ANY_ACTION,
+        np.inf,
+        np.inf,
+        work.ids[:2],
+        work.distances[:2],
+    )
+    if found == 0:
+        return 0
+    option, second = work.ids[0], work.ids[1]
+    near, far = work.distances[0], work.distances[1]
+    if has_outlook:
+        look_around(columns, option, ridge, work, action_values)
+        for a in range(action_values.shape[0]):
+            for d in range(query.shape[0]):
+                gap = query[d] - columns.scaled[option, d]
+                action_values[a] += work.slopes[a, d] * gap
+    else:
+        action_values[:] = columns.weights[option]
+    work.ids[0], work.ids[1] = option, second
+    work.distances[0], work.distances[1] = near, far
+    work.shares[0] = 1.0
+    return found
+
+
+@compiled
+def look_around(
+    columns: Columns,
+    option: int,
+    ridge: float,
+    work: Workspace,
+    levels: NDArray[np.float64],
+) -> None:
+    """Writes an option's outlook: for each action a plane through the weights around it.
+
+    `levels` [A] is what the action is expected to earn at the option's value, where neighbours
+    even out one another's errors; `work.slopes` how that changes along each (scaled) feature.
+    """
+    count, width = _gather(columns, columns.scaled[option], _TO_DECIDE, False, work)
+    fit_planes(columns.weights, count, width, ridge, work, levels)
 
 
 @compiled
@@ -216,6 +189,19 @@ def trace_paths(
             option = int(columns.parents[option])
 
 
+def count_ends(voters: int, n_features: int) -> int:
+    """The most options among which an imagination shares out where it ends."""
+    return min(voters, _TO_IMAGINE * (n_features + 1) + 1)
+
+
+class Reading(NamedTuple):
+    """How a forest is read to decide."""
+
+    decide_by: DecideBy
+    ridge: float  # Steadies the slopes of the planes that decisions rest on.
+    has_outlook: bool  # By path: follow the option's outlook; False: its weights as they are.
+
+
 def choose_action(
     action_values: NDArray[np.float64], observation: NDArray[np.float64]
 ) -> tuple[int, bool]:
@@ -230,33 +216,21 @@ def choose_action(
     return int(tied[crc32(observation.tobytes()) % len(tied)]), True
 
 
-def act(
-    forest: Forest,
-    observation: NDArray[np.float64],
-    decide_by: DecideBy,
-    radius: float,
-    ridge: float,
-    work: Workspace,
-) -> int:
+def act(forest: Forest, observation: NDArray[np.float64], reading: Reading, work: Workspace) -> int:
     """The action of `decide`, without the record of what led to it; for long evaluations."""
-    action_values, _ = _weigh(forest, observation, decide_by, radius, ridge, work)
+    action_values, _ = _weigh(forest, observation, reading, work)
     return choose_action(action_values, observation)[0]
 
 
 def decide(
-    forest: Forest,
-    observation: NDArray[np.float64],
-    decide_by: DecideBy,
-    radius: float,
-    ridge: float,
-    work: Workspace,
+    forest: Forest, observation: NDArray[np.float64], reading: Reading, work: Workspace
 ) -> Decision:
     """The greedy decision for an observation [D], with everything that led to it.
 
     With an empty forest nobody speaks, every action is expected to earn 0, and it is a tie.
     """
-    action_values, count = _weigh(forest, observation, decide_by, radius, ridge, work)
-    speaking = count if decide_by is DecideBy.VOTE else min(count, 1)
+    action_values, count = _weigh(forest, observation, reading, work)
+    speaking = count if reading.decide_by is DecideBy.VOTE else min(count, 1)
     voters = work.ids[:speaking].copy()
     length = int(forest.columns.depths[voters].max()) + 1 if speaking else 0
     paths = np.full((speaking, length), NO_OPTION, np.int64)
@@ -266,11 +240,12 @@ def decide(
     return Decision(
         observation=observation,
         action=best,
-        decide_by=decide_by,
+        decide_by=reading.decide_by,
         action_values=action_values,
         voters=voters,
         shares=work.shares[:speaking].copy(),
         voter_weights=forest.columns.weights[voters],
+        slopes=work.slopes * forest.attention,
         paths=paths,
         path_distances=distances,
         runner_up_option=int(work.ids[1]) if count > 1 else NO_OPTION,
@@ -281,22 +256,13 @@ def decide(
 
 
 def _weigh(
-    forest: Forest,
-    observation: NDArray[np.float64],
-    decide_by: DecideBy,
-    radius: float,
-    ridge: float,
-    work: Workspace,
+    forest: Forest, observation: NDArray[np.float64], reading: Reading, work: Workspace
 ) -> tuple[NDArray[np.float64], int]:
     """What each action is expected to earn [A], and how many options were looked at."""
     action_values = np.zeros(forest.n_actions)
-    count = weigh_actions(
-        forest.columns,
-        forest.attention * observation,
-        decide_by is DecideBy.VOTE,
-        radius,
-        ridge,
-        work,
-        action_values,
-    )
+    query = forest.attention * observation
+    columns, ridge = forest.columns, reading.ridge
+    if reading.decide_by is DecideBy.VOTE:
+        return action_values, weigh_by_vote(columns, query, ridge, work, action_values)
+    count = weigh_by_path(columns, query, reading.has_outlook, ridge, work, action_values)
     return action_values, count

@@ -14,7 +14,8 @@ from ao2viz.core.config import Credit, PaperConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
-from ao2viz.core.inference import act, decide, make_workspace
+from ao2viz.core.inference import Reading, act, decide
+from ao2viz.core.local_linear import make_workspace
 
 
 class PaperLearner:
@@ -36,7 +37,7 @@ class PaperLearner:
         self._rng = rng
         self._n_actions = n_actions
         self._forest = Forest(len(ranges), n_actions, 1.0 / (len(ranges) * ranges))
-        self._work = make_workspace(config.voters, len(ranges))
+        self._work = make_workspace(config.voters, len(ranges), n_actions)
         self._observation = np.zeros(len(ranges))
         self._forget_episode()
 
@@ -80,25 +81,11 @@ class PaperLearner:
 
     def decide_at(self, observation: NDArray[np.float64]) -> Decision:
         """What it would do if it saw this; see `Learner`."""
-        return decide(
-            self._forest,
-            observation,
-            self.config.decide_by,
-            self._radius,
-            self.config.share_ridge,
-            self._work,
-        )
+        return decide(self._forest, observation, self._reading(), self._work)
 
     def act_at(self, observation: NDArray[np.float64]) -> int:
         """The action of `decide_at`; see `Learner`."""
-        return act(
-            self._forest,
-            observation,
-            self.config.decide_by,
-            self._radius,
-            self.config.share_ridge,
-            self._work,
-        )
+        return act(self._forest, observation, self._reading(), self._work)
 
     def sleep(self) -> None:
         """The paper knows no sleep; nothing is left to settle."""
@@ -123,10 +110,8 @@ class PaperLearner:
         self._forest = forest
         self._forget_episode()
 
-    @property
-    def _radius(self) -> float:
-        """An option stands for what lies within this distance of it."""
-        return max(1.0 - self.config.threshold, 1e-9)
+    def _reading(self) -> Reading:
+        return Reading(self.config.decide_by, self.config.share_ridge, has_outlook=False)
 
     def _forget_episode(self) -> None:
         # (option, action, reward), the newest last.

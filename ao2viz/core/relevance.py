@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 
 from ao2viz.core.compiled import compiled
 from ao2viz.core.forest import Forest
-from ao2viz.core.inference import (
+from ao2viz.core.local_linear import (
     Workspace,
     broad_closeness,
-    factor_local_linear,
+    fit_planes,
     make_workspace,
-    solve_factored,
 )
 
 _NEIGHBOURS = 24  # Options that a slope is fitted to.
@@ -50,7 +49,7 @@ def find_relevance(
         # Where it often is counts more, but not so much that the rest is forgotten.
         np.sqrt(forest.columns.visits[options].sum(axis=1)),
         sampled,
-        make_workspace(_NEIGHBOURS, len(attention)),
+        make_workspace(_NEIGHBOURS, len(attention), forest.n_actions),
         slopes,
     )
     matters = (slopes > 0.0) & (attention > 0.0)
@@ -77,6 +76,7 @@ def _add_slopes(
     """
     n_options, n_features = scaled.shape
     wanted = work.ids.shape[0]
+    levels = np.empty(advantages.shape[1])
     for here in sampled:
         found = 0
         for other in range(n_options):
@@ -100,17 +100,6 @@ def _add_slopes(
             work.kernel[n] = broad_closeness(work.distances[n], width)
             for d in range(n_features):
                 work.offsets[n, d] = (scaled[work.ids[n], d] - scaled[here, d]) / width
-        factor_local_linear(work, found, _RIDGE)
-        work.effect[:] = 0.0
-        for a in range(advantages.shape[1]):
-            work.solution[:] = 0.0
-            for n in range(found):
-                loud = work.kernel[n] * advantages[work.ids[n], a]
-                work.solution[0] += loud
-                for d in range(n_features):
-                    work.solution[d + 1] += loud * work.offsets[n, d]
-            solve_factored(work)
-            for d in range(n_features):
-                work.effect[d] += (work.solution[d + 1] / width) ** 2
+        fit_planes(advantages, found, width, _RIDGE, work, levels)
         for d in range(n_features):
-            slopes[d] += loudness[here] * np.sqrt(work.effect[d])
+            slopes[d] += loudness[here] * np.sqrt((work.slopes[:, d] ** 2).sum())

@@ -40,13 +40,7 @@ _CARTPOLE_FEATURES = (
     Feature("pole angular velocity", "°/s", _DEGREES, range=4.0),
 )
 _CARTPOLE_SETTINGS: Mapping[Preset, Mapping[str, Any]] = {
-    Preset.ANTICIPATING: {
-        "attention_width": 6.0,
-        "levels": 3,
-        "gamma": 0.995,
-        "refreshes": 8,
-        "backups": 200,
-    },
+    Preset.ANTICIPATING: {"attention_width": 5.0},
     Preset.PAPER: {
         "threshold": 0.9,
         "trace_length": 5,
@@ -86,7 +80,6 @@ CATALOGUE: Mapping[str, Entry] = {
             ),
             (),
             {
-                Preset.ANTICIPATING: {"attention_width": 4.0, "levels": 4},
                 Preset.PAPER: {
                     "threshold": 0.99,
                     "trace_length": 18,
@@ -109,13 +102,7 @@ CATALOGUE: Mapping[str, Entry] = {
             ),
             ("torque −1", "no torque", "torque +1"),
             {
-                Preset.ANTICIPATING: {
-                    "attention_width": 4.0,
-                    "slip": 0.0,
-                    "levels": 3,
-                    "voters": 32,
-                    "story_length": 40,
-                },
+                Preset.ANTICIPATING: {"levels": 3},
                 Preset.PAPER: {
                     "threshold": 0.99,
                     "trace_length": 80,
@@ -132,7 +119,6 @@ CATALOGUE: Mapping[str, Entry] = {
             (Feature("position"), Feature("velocity", "per step")),
             ("push left", "no push", "push right"),
             {
-                Preset.ANTICIPATING: {"attention_width": 4.0, "levels": 5, "gamma": 0.995},
                 Preset.PAPER: {
                     "threshold": 0.99,
                     "trace_length": 80,

@@ -21,6 +21,8 @@ DEFAULT_ACTION_BINS = {1: 5, 2: 3, 3: 3}
 MAX_ACTION_BINS = 101
 # Every option owns every action: more would be too many to learn, and to read.
 MAX_ACTIONS = 1_000
+# A box of features is divided into about 2**10.6, some 1,500, finest cells.
+_HALVINGS = 10.6
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,8 +136,20 @@ def describe(env: gym.Env, action_bins: int | None = None) -> TaskSpec:
 
 
 def settings_for(spec: TaskSpec, preset: Preset) -> dict[str, Any]:
-    """The settings proven for this task; empty for one we do not know."""
-    return dict(spec.entry.settings.get(preset, {}))
+    """The settings that follow from the task, and those proven for a catalogued one."""
+    found: dict[str, Any] = {}
+    if preset is Preset.ANTICIPATING:
+        found["levels"] = find_levels(spec.n_features)
+    return found | dict(spec.entry.settings.get(preset, {}))
+
+
+def find_levels(n_features: int) -> int:
+    """How often the radius halves from a root to the finest option, by the number of features.
+
+    Each halving divides a box of D features into 2**D cells. So that the number of cells, and with
+    it that of options, stays alike whatever D is, D times the levels is about constant.
+    """
+    return max(1, round(_HALVINGS / n_features))
 
 
 def to_observation(raw: Any, spec: TaskSpec) -> NDArray[np.float64]:

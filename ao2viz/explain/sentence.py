@@ -122,6 +122,11 @@ def _whom(decision: Decision, spec: TaskSpec, view: ForestView | None) -> str:
     first = int(decision.voters[0])
     if decision.decide_by is DecideBy.PATH:
         text = f"Option {first}, the most similar, decided alone"
+        if decision.slopes.any():
+            own = float(decision.voter_weights[0, decision.best_action])
+            own, here = pair(own, float(decision.action_values[decision.best_action]))
+            best = spec.action_names[decision.best_action]
+            text += f": its own weight for {best} is {own}, its outlook here {here}"
     elif len(decision.voters) == 1:
         text = f"Option {first} was the only one to vote"
     else:

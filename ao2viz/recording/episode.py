@@ -55,6 +55,7 @@ def pack_decisions(
         "voters": np.full((t, k), -1, np.int32),
         "shares": np.zeros((t, k)),
         "voter_weights": np.zeros((t, k, n_actions)),
+        "slopes": np.zeros((t, n_actions, n_features)),
         "paths": np.full((t, k, p), -1, np.int32),
         "path_distances": np.full((t, k, p), np.nan),
         "runner_up_option": np.full(t, -1, np.int32),
@@ -74,6 +75,7 @@ def pack_decisions(
         packed["voters"][i, :n] = d.voters
         packed["shares"][i, :n] = d.shares
         packed["voter_weights"][i, :n] = d.voter_weights
+        packed["slopes"][i] = d.slopes
         packed["paths"][i, :n, :length] = d.paths
         packed["path_distances"][i, :n, :length] = d.path_distances
         packed["runner_up_option"][i] = d.runner_up_option
@@ -98,6 +100,7 @@ def unpack_decisions(packed: dict[str, NDArray]) -> tuple[Decision, ...]:
                 voters=packed["voters"][i, :n].astype(np.int64),
                 shares=packed["shares"][i, :n],
                 voter_weights=packed["voter_weights"][i, :n],
+                slopes=packed["slopes"][i],
                 paths=packed["paths"][i, :n, :length].astype(np.int64),
                 path_distances=packed["path_distances"][i, :n, :length],
                 runner_up_option=int(packed["runner_up_option"][i]),

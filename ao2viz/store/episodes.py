@@ -10,7 +10,8 @@ from ao2viz.recording.episode import Episode, pack_decisions, unpack_decisions
 from ao2viz.store.errors import AgentFileError
 from ao2viz.store.manifest import EpisodeHeader
 
-# Arrays of the decisions: type and dimensions, as in `Decision`; T steps, K voters, P path.
+# Arrays of the decisions: type and dimensions, as in `Decision`; T steps, A actions, D features,
+# K voters, P path.
 # Observation and action of each decision are those of the episode and not stored again.
 DECISIONS: Mapping[str, tuple[str, str]] = {
     "by_vote": ("bool", "T"),
@@ -20,6 +21,7 @@ DECISIONS: Mapping[str, tuple[str, str]] = {
     "voters": ("int32", "TK"),
     "shares": ("float64", "TK"),
     "voter_weights": ("float64", "TKA"),
+    "slopes": ("float64", "TAD"),
     "paths": ("int32", "TKP"),
     "path_distances": ("float64", "TKP"),
     "runner_up_option": ("int32", "T"),
@@ -28,7 +30,7 @@ DECISIONS: Mapping[str, tuple[str, str]] = {
     "is_tie": ("bool", "T"),
     "created": ("int32", "T"),
 }
-_FINITE = ("action_values", "shares", "voter_weights")
+_FINITE = ("action_values", "shares", "voter_weights", "slopes")
 _IDS = ("voters", "paths", "runner_up_option", "created")
 
 
@@ -71,7 +73,9 @@ def episode_from_arrays(
     actions = _take(arrays, "actions", "int64", (t,))
     rewards = _take(arrays, "rewards", "float64", (t,))
     k, p = arrays.get("decisions/paths", np.empty((0, 0, 0))).shape[-2:]
-    sizes = {"T": t, "A": a, "K": k, "P": p}
+    sizes = {"T": t, "A": a, "D": d, "K": k, "P": p}
+    # Options of format 1 had no outlook: their weights were taken as they are.
+    arrays = {"decisions/slopes": np.zeros((t, a, d)), **arrays}
     packed = {
         name: _take(arrays, f"decisions/{name}", dtype, tuple(sizes[letter] for letter in shape))
         for name, (dtype, shape) in DECISIONS.items()

@@ -18,7 +18,7 @@ from ao2viz.store.errors import AgentFileError, quote
 from ao2viz.store.saved import Generator, SavedAgent
 
 FORMAT = "ao2viz-agent"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 MAX_TEXT = 200
 MAX_FEATURES = 10_000
 MAX_EPISODES = 1_000
@@ -28,7 +28,18 @@ Json = dict[str, Any]
 T = TypeVar("T")
 
 # From each older version to the next, on plain data; the reader below knows only the newest.
-UPGRADES: Mapping[int, Callable[[Json], Json]] = {}
+
+
+def _forget_splitting(manifest: Json) -> Json:
+    """Format 1 could split options where their advice misled; outlooks made that needless."""
+    settings = manifest.get("settings")
+    if not isinstance(settings, dict):
+        return manifest
+    kept = {name: value for name, value in settings.items() if name != "split_distance"}
+    return manifest | {"settings": kept}
+
+
+UPGRADES: Mapping[int, Callable[[Json], Json]] = {1: _forget_splitting}
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from gymnasium import spaces
 
 from ao2viz.core.config import Preset, make_config
 from ao2viz.envs.catalogue import CATALOGUE
-from ao2viz.envs.task import describe, make_env, settings_for, to_observation
+from ao2viz.envs.task import describe, find_levels, make_env, settings_for, to_observation
 from tests import toy_envs
 
 
@@ -59,7 +59,12 @@ def test_unknown_environments_get_plain_names_and_their_own_ranges():
     assert [f.name for f in spec.features] == ["feature 0", "feature 1"]
     assert spec.action_names == ("action 0", "action 1")
     assert spec.ranges.tolist() == [5.0, 5.0]
-    assert settings_for(spec, Preset.ANTICIPATING) == {}
+    assert settings_for(spec, Preset.PAPER) == {}
+    assert settings_for(spec, Preset.ANTICIPATING) == {"levels": 5}
+
+
+def test_levels_follow_the_number_of_features():
+    assert [find_levels(n) for n in (1, 2, 3, 4, 6, 8, 100)] == [11, 5, 4, 3, 2, 1, 1]
 
 
 def test_unbounded_features_count_as_one_wide():

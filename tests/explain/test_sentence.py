@@ -46,6 +46,22 @@ def test_a_path_is_told_as_the_choice_of_one_option():
     assert "voted" not in text
 
 
+def test_an_outlook_is_told_beside_the_options_own_weight():
+    text = said(
+        decide_by=DecideBy.PATH,
+        voters=np.array([4]),
+        shares=np.array([1.0]),
+        voter_weights=np.array([[90.5, 92.25]]),
+        slopes=np.full((2, 4), 0.5),
+        action_values=np.array([90.0, 93.5]),
+    )
+    assert "Expected to earn 93.5 against 90.0 for push left: 3.50 more." in text
+    assert (
+        "Option 4, the most similar, decided alone: its own weight for push right is 92.2, its "
+        "outlook here 93.5." in text
+    )
+
+
 def test_a_tie_is_said_and_not_explained_away():
     explanation = explain(
         decision(action_values=np.array([4.0, 4.0]), is_tie=True), SPEC, small_view()

@@ -97,14 +97,16 @@ def swapped(parents: np.ndarray, one: int, other: int) -> np.ndarray:
         ("episodes/0/decisions/paths", lambda a: changed(a, 10**6), "paths among the options"),
         ("episodes/0/decisions/paths", lambda a: changed(a, -1), "a path for every voter"),
         ("episodes/0/decisions/paths", lambda a: a[:, :, :0], "path_distances' of a recorded"),
-        ("episodes/0/decisions/n_voters", lambda a: changed(a, 99), "at most 16 voters"),
-        ("episodes/0/decisions/n_voters", lambda a: changed(a, -1), "at most 16 voters"),
+        ("episodes/0/decisions/n_voters", lambda a: changed(a, 99), "at most 1 voters"),
+        ("episodes/0/decisions/n_voters", lambda a: changed(a, -1), "at most 1 voters"),
         ("episodes/0/decisions/path_length", lambda a: changed(a, 99), "paths of at most"),
         ("episodes/0/decisions/path_length", lambda a: changed(a, 0), "a path for every voter"),
         ("episodes/0/decisions/shares", lambda a: changed(a, np.nan), "finite shares"),
         ("episodes/0/decisions/shares", lambda a: changed(a, -1), "shares of at least 0"),
         ("episodes/0/decisions/created", lambda a: changed(a, 10**6), "created among"),
         ("episodes/0/decisions/voter_weights", lambda a: a[:, :, :1], "decisions/voter_weights'"),
+        ("episodes/0/decisions/slopes", lambda a: changed(a, np.inf), "finite slopes"),
+        ("episodes/0/decisions/slopes", lambda a: a[:, :, :1], "decisions/slopes'"),
     ],
 )  # fmt: skip
 def test_arrays_that_do_not_fit_one_another(parts, tmp_path, name, change, words):

@@ -10,7 +10,7 @@ from tests.store.hostile import refuse
     ("path", "value", "words"),
     [
         ("format", "something else", "manifest of an agent .* but its format is 'something else'"),
-        ("format_version", 2, "needs a newer ao2viz: its format is 2, and 1 is the newest"),
+        ("format_version", 3, "needs a newer ao2viz: its format is 3, and 2 is the newest"),
         ("format_version", 0, "never been a format 0"),
         ("format_version", "1", "'format_version' in the manifest to be a whole number"),
         ("format_version", True, "'format_version' in the manifest to be a whole number"),
@@ -101,4 +101,4 @@ def test_a_manifest_that_is_none(parts, tmp_path, content):
 
 def test_settings_of_enormous_cost_are_bounded(parts, tmp_path):
     parts.manifest["settings"]["voters"] = 10**6
-    refuse(parts.write(tmp_path / "a.ao2"), "voters between 1 and 64")
+    refuse(parts.write(tmp_path / "a.ao2"), "voters between 2 and 64")
