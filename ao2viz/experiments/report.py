@@ -142,13 +142,8 @@ def _in_short(pairs: Sequence[_Pair]) -> str:
 
 
 def _every_seed(pairs: Sequence[_Pair]) -> str:
-    """A table for each group of seeds, at its last checkpoint."""
-    last: dict[tuple[str, str, str], _Pair] = {}
-    for pair in pairs:
-        key = (pair.any.env, pair.any.preset.value, pair.any.settings)
-        if key not in last or pair.any.steps > last[key].any.steps:
-            last[key] = pair
-    return "\n".join(f"### {pair.title}\n\n{_seeds(pair)}" for pair in last.values())
+    """A table for each group of seeds and each checkpoint."""
+    return "\n".join(f"### {pair.title}\n\n{_seeds(pair)}" for pair in pairs)
 
 
 def _seeds(pair: _Pair) -> str:

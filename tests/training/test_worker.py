@@ -245,12 +245,12 @@ def test_a_new_run_gets_a_new_number_and_a_new_forest():
 
 def test_who_decides_can_change_during_a_run():
     worker = prepared()
-    assert worker.update().decide_by is DecideBy.VOTE
-    worker.handle(SetDecideBy(DecideBy.PATH))
+    assert worker.update().decide_by is DecideBy.PATH
+    worker.handle(SetDecideBy(DecideBy.VOTE))
     run(worker)
     update = worker.update()
-    assert update.decide_by is DecideBy.PATH
-    assert update.decision.decide_by is DecideBy.PATH
+    assert update.decide_by is DecideBy.VOTE
+    assert update.decision.decide_by is DecideBy.VOTE
 
 
 def test_what_is_shown_cannot_be_changed():
