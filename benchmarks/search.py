@@ -25,6 +25,7 @@ from ao2viz.core.columns import allocate
 from ao2viz.core.experience import allocate_experience
 from ao2viz.core.forest import Forest
 from ao2viz.core.imagination import allocate_imagination
+from ao2viz.core.inference import count_ends
 from ao2viz.core.search import ANY_ACTION, find_nearest
 from ao2viz.envs.catalogue import CATALOGUE
 from benchmarks.machine import describe_run
@@ -141,7 +142,7 @@ def weigh(env_id: str) -> str:
     parts = [
         allocate(capacity, d, a)[:-1],
         allocate_experience(capacity, a, d),
-        allocate_imagination(capacity, a, agent.config.voters),
+        allocate_imagination(capacity, a, count_ends(agent.config.voters, d)),
     ]
     cells = [sum(array.nbytes for array in part) // capacity for part in parts]
     rng = np.random.default_rng(0)

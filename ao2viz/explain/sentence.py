@@ -123,10 +123,7 @@ def _whom(decision: Decision, spec: TaskSpec, view: ForestView | None) -> str:
     if decision.decide_by is DecideBy.PATH:
         text = f"Option {first}, the most similar, decided alone"
         if decision.slopes.any():
-            own = float(decision.voter_weights[0, decision.best_action])
-            own, here = pair(own, float(decision.action_values[decision.best_action]))
-            best = spec.action_names[decision.best_action]
-            text += f": its own weight for {best} is {own}, its outlook here {here}"
+            text += f": {_outlook(decision, spec)}"
     elif len(decision.voters) == 1:
         text = f"Option {first} was the only one to vote"
     else:
@@ -149,6 +146,18 @@ def _whom(decision: Decision, spec: TaskSpec, view: ForestView | None) -> str:
     if seen == known:
         return f"{text}. It stands for almost exactly what was seen."
     return f"{text}. It differs most in {gap.feature}: {known} there, {seen} now."
+
+
+def _outlook(decision: Decision, spec: TaskSpec) -> str:
+    """How the option's own weights and its outlook differ."""
+    names, best = spec.action_names, decision.best_action
+    weights = decision.voter_weights[0]
+    own, here = pair(float(weights[best]), float(decision.action_values[best]))
+    text = f"its own weight for {names[best]} is {own}, its outlook here {here}"
+    preferred = int(np.argmax(weights))
+    if weights[preferred] > weights[best]:
+        text += f" (by its own weights it prefers {names[preferred]})"
+    return text
 
 
 def _gaps(

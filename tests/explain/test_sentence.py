@@ -62,6 +62,21 @@ def test_an_outlook_is_told_beside_the_options_own_weight():
     )
 
 
+def test_it_is_said_where_the_outlook_goes_against_the_options_own_weights():
+    text = said(
+        decide_by=DecideBy.PATH,
+        voters=np.array([4]),
+        shares=np.array([1.0]),
+        voter_weights=np.array([[95.0, 92.25]]),
+        slopes=np.full((2, 4), 0.5),
+        action_values=np.array([90.0, 93.5]),
+    )
+    assert (
+        "its own weight for push right is 92.2, its outlook here 93.5 (by its own weights it "
+        "prefers push left)." in text
+    )
+
+
 def test_a_tie_is_said_and_not_explained_away():
     explanation = explain(
         decision(action_values=np.array([4.0, 4.0]), is_tie=True), SPEC, small_view()
