@@ -24,7 +24,7 @@ class RunUpdate:
     spec: TaskSpec | None = None
     preset: Preset = Preset.ANTICIPATING
     seed: int = 0
-    decide_by: DecideBy = DecideBy.VOTE
+    decide_by: DecideBy = DecideBy.PATH
     n_steps: int = 0  # The agent's steps so far.
     first_step: int = 0  # Its steps when this run began (more than 0 after a resume).
     total_steps: int = 0  # Steps this run is to take.

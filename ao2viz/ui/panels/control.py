@@ -81,8 +81,8 @@ class ControlPanel:
         on_change(self._speed, lambda s: SetTrainingSpeed(_SPEEDS[s]), client_id, inbox)
         self._decide_by = gui.add_dropdown(
             "Decide by",
-            tuple(d.value for d in DecideBy),
-            hint="vote: the most similar options together; path: the most similar option alone.",
+            (DecideBy.PATH.value, DecideBy.VOTE.value),  # The first is how a new run begins.
+            hint="path: the most similar option alone; vote: the most similar options together.",
         )
         on_change(self._decide_by, lambda v: ChooseDecideBy(DecideBy(v)), client_id, inbox)
         self._progress = gui.add_progress_bar(0.0)
