@@ -3,6 +3,7 @@
 import contextlib
 import difflib
 import os
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import fields
 from typing import Any, Self
@@ -12,7 +13,14 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ao2viz.core.agent import make_learner
-from ao2viz.core.config import Config, Preset, change_config, make_config, preset_of
+from ao2viz.core.config import (
+    AnticipatingConfig,
+    Config,
+    Preset,
+    change_config,
+    make_config,
+    preset_of,
+)
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec, describe, make_env, settings_for, to_observation
@@ -73,7 +81,9 @@ class AO2:
         self.growth = GrowthLog()
         self.episodes: list[Episode] = []
         self._rng = np.random.default_rng(seed)
-        self._learner = make_learner(config, self.spec.ranges, self.spec.n_actions, self._rng)
+        self._learner = make_learner(
+            config, self.spec.ranges, self.spec.n_actions, self._rng, time.perf_counter
+        )
 
     @property
     def config(self) -> Config:
@@ -158,6 +168,26 @@ class AO2:
         name = decide_by.value if isinstance(decide_by, DecideBy) else decide_by
         config = change_config(self.config, {"decide_by": name})
         self._learner.set_decide_by(config.decide_by)
+
+    def set_think_ahead(self, steps: int, limit: int | None = None) -> None:
+        """Changes how many steps ahead every decision thinks; allowed at any time.
+
+        Args:
+            steps: Of the environment, 0 to 8; 0 does not think ahead, which is the fastest.
+            limit: Milliseconds that one decision may take for it, 0 for as long as it takes;
+                `None` leaves that as it is. With a limit, what it decides depends on the machine.
+
+        Raises:
+            ValueError: If a number is out of range, or the preset is `paper`: it does not learn
+                what follows an action.
+        """
+        config = self.config
+        if limit is None:
+            limit = config.think_limit if isinstance(config, AnticipatingConfig) else 0
+        settings = {"think_ahead": steps, "think_limit": limit}
+        checked = make_config(Preset.ANTICIPATING, settings)
+        assert isinstance(checked, AnticipatingConfig)
+        self._learner.set_think_ahead(checked.think_ahead, checked.think_limit)
 
     def decide(self, observation: ArrayLike) -> Decision:
         """What it would do, greedily, if it saw this, and everything that led to it."""

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
+from ao2viz.core.decision import NO_OPTION, DecideBy, Decision, Plan
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.envs.task import TaskSpec, describe, make_env
 
@@ -99,6 +99,20 @@ def decision(**changes: object) -> Decision:
         runner_up_distance=float(distances[1]),
         explored=False,
         is_tie=False,
+    )
+    return replace(made, **changes)  # pyright: ignore[reportArgumentType]
+
+
+def plan(**changes: object) -> Plan:
+    """Push right, right, left: to option 1, then 4 twice; before, push left promised more."""
+    made = Plan(
+        actions=np.array([1, 1, 0]),
+        states=np.array([SEEN, SEEN + 0.01, SEEN + 0.02]),
+        rewards=np.array([1.0, 1.0, 1.0]),
+        continues=np.array([1.0, 1.0, 1.0]),
+        options=np.array([1, 4, 4]),
+        worth=91.2,
+        outlook_values=np.array([90.25, 90.0]),
     )
     return replace(made, **changes)  # pyright: ignore[reportArgumentType]
 

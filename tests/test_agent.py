@@ -193,6 +193,30 @@ def test_who_decides_can_change_at_any_time():
         agent.set_decide_by("luck")
 
 
+def test_how_far_it_thinks_can_change_at_any_time():
+    agent = quick(think_limit=5_000).learn(300)
+    assert agent.decide(np.zeros(4)).plan is None
+    agent.set_think_ahead(2)
+    assert (vars(agent.config)["think_ahead"], vars(agent.config)["think_limit"]) == (2, 5_000)
+    decision = agent.decide(np.zeros(4))
+    assert decision.plan is not None
+    assert agent.predict(np.zeros(4))[0] == decision.action == decision.plan.actions[0]
+    agent.set_think_ahead(0, limit=0)
+    assert vars(agent.config)["think_limit"] == 0
+    assert agent.decide(np.zeros(4)).plan is None
+    with pytest.raises(ValueError, match="Expected think_ahead between 0 and 8"):
+        agent.set_think_ahead(9)
+    with pytest.raises(ValueError, match="cannot think ahead"):
+        AO2("CartPole-v1", "paper").set_think_ahead(1)
+
+
+def test_a_limit_of_time_holds_by_the_clock_of_the_machine():
+    agent = quick(think_ahead=8, think_limit=1).learn(300)
+    plan = agent.decide(np.zeros(4)).plan
+    assert plan is not None
+    assert 1 <= len(plan.actions) <= 8
+
+
 def test_evaluation_starts_where_training_never_does():
     agent, resets = quick(toy_envs.Corridor()), []
     reset = agent.env.reset

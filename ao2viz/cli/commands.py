@@ -127,13 +127,17 @@ def evaluate(
     seed: Annotated[
         int, typer.Option(min=0, help="Which episodes: the same seed, the same ones.")
     ] = 0,
+    think_ahead: Annotated[
+        int | None,
+        typer.Option(help="Steps to think ahead in every decision; 0: none. As saved if left out."),
+    ] = None,
     env: Env = None,
     as_json: Json = False,
 ) -> None:
     """Play greedy episodes: mean, standard deviation, standard error and every return."""
     from ao2viz.cli.evaluation import run  # noqa: PLC0415 -- heavy.
 
-    run(file, episodes=episodes, seed=seed, env=env, as_json=as_json)
+    run(file, episodes=episodes, seed=seed, think_ahead=think_ahead, env=env, as_json=as_json)
 
 
 @app.command()

@@ -11,13 +11,24 @@ from ao2viz.recording.episode import Episode
 from ao2viz.training.loop import evaluation_seed
 
 
-def run(file: Path, *, episodes: int, seed: int, env: str | None, as_json: bool) -> None:
+def run(
+    file: Path,
+    *,
+    episodes: int,
+    seed: int,
+    think_ahead: int | None,
+    env: str | None,
+    as_json: bool,
+) -> None:
     """Plays greedy episodes and says how they went.
 
     Raises:
-        ValueError: If the file is no agent, or its environment cannot be made.
+        ValueError: If the file is no agent, its environment cannot be made, or it cannot think so.
     """
     agent = AO2.load(file, env)
+    if think_ahead is not None:
+        agent.set_think_ahead(think_ahead)
+    steps_ahead = vars(agent.config).get("think_ahead", 0)
     with stderr().status(f"Playing {_count_episodes(episodes)} of {agent.spec.env_id} …"):
         returns = agent.evaluate(episodes=episodes, seed=seed).tolist()
     summary = summarise_returns(returns)
@@ -28,6 +39,7 @@ def run(file: Path, *, episodes: int, seed: int, env: str | None, as_json: bool)
                 "environment": agent.spec.env_id,
                 "seed": seed,
                 "decide_by": agent.config.decide_by.value,
+                "think_ahead": steps_ahead,
                 "episodes": episodes,
                 **summary,
                 "returns": returns,
@@ -35,6 +47,8 @@ def run(file: Path, *, episodes: int, seed: int, env: str | None, as_json: bool)
         )
         return
     decided = f"deciding by {agent.config.decide_by.value}, evaluation seed {seed}"
+    if steps_ahead:
+        decided = f"thinking {steps_ahead} step{'' if steps_ahead == 1 else 's'} ahead, {decided}"
     say(f"{agent.spec.env_id}: {_count_episodes(episodes)}, {decided}.")
     say(f"Mean return      {summary['mean']:.2f}")
     if episodes > 1:

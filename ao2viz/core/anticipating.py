@@ -24,6 +24,7 @@ from ao2viz.core.local_linear import make_workspace
 from ao2viz.core.regrowth import regrow
 from ao2viz.core.relevance import find_relevance
 from ao2viz.core.search import ANY_ACTION, find_nearest
+from ao2viz.core.thinking import Clock, Horizon, standing_clock, think_over
 from ao2viz.core.transition import Transition
 
 
@@ -40,10 +41,12 @@ class AnticipatingLearner:
         ranges: NDArray[np.float64],
         n_actions: int,
         rng: np.random.Generator,
+        clock: Clock = standing_clock,
     ) -> None:
         self.config = config
         self.n_steps = 0
         self._rng = rng
+        self._clock = clock
         self._n_features = len(ranges)
         self._n_actions = n_actions
         self._n_ends = count_ends(config.voters, self._n_features)
@@ -75,11 +78,12 @@ class AnticipatingLearner:
 
     def decide(self, explore: bool = True) -> Decision:
         """Decides for the latest observation; see `Learner`."""
-        decision = replace(self.decide_at(self._observation), created=self._created)
         if explore and self._rng.random() < self._epsilon():
+            # What is drawn at random needs no thinking ahead.
+            decision = decide(self._forest, self._observation, self._reading(), self._work)
             action = int(self._rng.integers(self._n_actions))
-            return replace(decision, action=action, explored=True)
-        return decision
+            return replace(decision, action=action, explored=True, created=self._created)
+        return replace(self.decide_at(self._observation), created=self._created)
 
     def observe(
         self,
@@ -109,10 +113,17 @@ class AnticipatingLearner:
 
     def decide_at(self, observation: NDArray[np.float64]) -> Decision:
         """What it would do if it saw this; see `Learner`."""
-        return decide(self._forest, observation, self._reading(), self._work)
+        decision = decide(self._forest, observation, self._reading(), self._work)
+        if self.config.think_ahead == 0:
+            return decision
+        horizon = Horizon(self.config.think_ahead, self.config.think_limit / 1000, self._clock)
+        mind = self._forest, self._experience, self._imagination
+        return think_over(decision, *mind, horizon, self._rules, self._work)
 
     def act_at(self, observation: NDArray[np.float64]) -> int:
         """The action of `decide_at`; see `Learner`."""
+        if self.config.think_ahead > 0:
+            return self.decide_at(observation).action
         return act(self._forest, observation, self._reading(), self._work)
 
     def sleep(self) -> None:
@@ -130,6 +141,10 @@ class AnticipatingLearner:
     def set_decide_by(self, decide_by: DecideBy) -> None:
         """Switches between vote and path; see `Learner`."""
         self.config = replace(self.config, decide_by=decide_by)
+
+    def set_think_ahead(self, steps: int, limit: int) -> None:
+        """Changes how far and how long decisions think; see `Learner`."""
+        self.config = replace(self.config, think_ahead=steps, think_limit=limit)
 
     def view(self) -> ForestView:
         """A frozen copy of the forest; see `Learner`."""

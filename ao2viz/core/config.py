@@ -1,4 +1,4 @@
-"""The settings of an agent: two presets, validated once, never changed except `decide_by`."""
+"""The settings of an agent: two presets, validated once, changed later only in how to decide."""
 
 import difflib
 import math
@@ -53,6 +53,8 @@ class AnticipatingConfig:
     backups: int = 200  # Options whose weights are renewed elsewhere after each step.
     story_length: int = 0  # Steps of real traces kept beside imagination; 0: none.
     sleep_sweeps: int = 300  # The most sweeps over all options when `learn` ends.
+    think_ahead: int = 0  # Steps of action sequences imagined for each decision; 0: none.
+    think_limit: int = 0  # Milliseconds of that for each decision; 0: as long as it takes.
 
 
 @dataclass(frozen=True)
@@ -102,6 +104,8 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "backups": (0, 1_000_000),
     "story_length": (0, 10_000),
     "sleep_sweeps": (0, 1_000_000),
+    "think_ahead": (0, 8),
+    "think_limit": (0, 60_000),
     "threshold": (0.0, 1.0),
     "step_size": (1e-9, 1.0),
     "epsilon": (0.0, 1.0),

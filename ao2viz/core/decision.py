@@ -20,6 +20,25 @@ class DecideBy(Enum):
 
 
 @dataclass(frozen=True, eq=False)
+class Plan:
+    """What a decision expects of the best sequence of actions that it thought of.
+
+    `L` counts its steps, `D` features, `A` actions. What the chosen action is expected to earn is
+    the sum over the steps k of gamma^k · (chance of still going on before it) · reward, plus
+    gamma^L · (chance of still going on) · worth. There are no steps where nothing is known of
+    what the chosen action leads to.
+    """
+
+    actions: NDArray[np.int64]  # [L] indices; the first is the chosen one.
+    states: NDArray[np.float64]  # [L, D] where it expects to be after each, environment units.
+    rewards: NDArray[np.float64]  # [L] expected of each step if it comes to it, not discounted.
+    continues: NDArray[np.float64]  # [L] chance that the task has not ended after each step.
+    options: NDArray[np.int64]  # [L] the most similar option after each step.
+    worth: float  # Expected from there on; 0 if the task has ended for certain.
+    outlook_values: NDArray[np.float64]  # [A] what each action was expected to earn before.
+
+
+@dataclass(frozen=True, eq=False)
 class Decision:
     """One inference and everything that led to it; made when the action is chosen, never after.
 
@@ -42,6 +61,12 @@ class Decision:
     explored: bool  # The action was drawn at random instead of chosen.
     is_tie: bool  # Several actions were expected to earn exactly the most.
     created: int = NO_OPTION  # The option made for this observation, if one was.
+    plan: Plan | None = None  # None: it did not think ahead.
+
+    @property
+    def outlook_values(self) -> NDArray[np.float64]:
+        """[A] what each action was expected to earn before any thinking ahead."""
+        return self.action_values if self.plan is None else self.plan.outlook_values
 
     @property
     def best_action(self) -> int:

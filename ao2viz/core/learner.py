@@ -24,7 +24,7 @@ class Learner(Protocol):
 
     @property
     def config(self) -> Config:
-        """Every setting, frozen; only `set_decide_by` changes it."""
+        """Every setting, frozen; frozen; only `set_decide_by` and `set_think_ahead` change it."""
         ...
 
     def start(self, observation: NDArray[np.float64]) -> tuple[GrowthEvent, ...]:
@@ -60,6 +60,14 @@ class Learner(Protocol):
 
     def set_decide_by(self, decide_by: DecideBy) -> None:
         """Switches between vote and path, at any time."""
+        ...
+
+    def set_think_ahead(self, steps: int, limit: int) -> None:
+        """Changes how far decisions think, and for how many milliseconds (0: no limit).
+
+        Raises:
+            ValueError: If this agent cannot imagine what follows an action.
+        """
         ...
 
     def view(self) -> ForestView:

@@ -94,6 +94,14 @@ class PaperLearner:
         """Switches between vote and path; see `Learner`."""
         self.config = replace(self.config, decide_by=decide_by)
 
+    def set_think_ahead(self, steps: int, limit: int) -> None:
+        """Refuses; see `Learner`."""
+        if steps or limit:
+            raise ValueError(
+                "The paper preset does not learn what follows an action, so it cannot think "
+                "ahead; the anticipating preset can."
+            )
+
     def view(self) -> ForestView:
         """A frozen copy of the forest; see `Learner`."""
         return self._forest.view()

@@ -22,7 +22,7 @@ class Explanation:
 
     headline: str  # What it did: "push right".
     reason: str  # One or two sentences.
-    marks: tuple[str, ...]  # Short remarks: "explored", "tie", "new option 12", "close call".
+    marks: tuple[str, ...]  # Short remarks: "explored", "tie", "new option 12", "close call", …
 
 
 @dataclass(frozen=True)
@@ -69,6 +69,8 @@ def explain(decision: Decision, spec: TaskSpec, view: ForestView | None = None) 
         return Explanation(action, f"There were no options to ask yet, so {how}.", tuple(marks))
     if _is_close(decision):
         marks.append("close call")
+    if _changed_its_mind(decision):
+        marks.append("changed its mind")
     reason = f"{_main_clause(decision, spec)} {_whom(decision, spec, view)}"
     if decision.created != NO_OPTION:
         reason += f" What was seen was new enough for an option of its own: {decision.created}."
@@ -109,7 +111,10 @@ def _main_clause(decision: Decision, spec: TaskSpec) -> str:
         return f"{text}. {_cap(names[best])} was expected to earn more: {high} against {low}."
     if decision.is_tie:
         tied = [names[i] for i in np.flatnonzero(values == values[best])]
-        return f"A tie: {_listed(tied)} were expected to earn exactly {number(values[best])}."
+        tie = f"A tie: {_listed(tied)} were expected to earn exactly {number(values[best])}."
+        return tie if decision.plan is None else f"{tie} {_plan_clause(decision, spec)}."
+    if decision.plan is not None:
+        return _thinking(decision, spec)
     if len(values) == 1:
         return f"The only action, expected to earn {number(values[chosen])}."
     other = decision.runner_up_action
@@ -118,9 +123,54 @@ def _main_clause(decision: Decision, spec: TaskSpec) -> str:
     return f"Expected to earn {high} against {low} for {names[other]}: {more} more."
 
 
+def _thinking(decision: Decision, spec: TaskSpec) -> str:
+    """What the plan is expected to earn, beside the best that begins otherwise."""
+    values, before, names = decision.action_values, decision.outlook_values, spec.action_names
+    chosen, other = decision.action, decision.runner_up_action
+    high, low = pair(float(values[chosen]), float(values[other]))
+    text = _plan_clause(decision, spec)
+    if decision.plan is not None and len(decision.plan.actions):
+        text += f", in all {high}"
+    else:
+        text += f", and the options expect it to earn {high}"
+    text += " (discounted)"
+    if chosen != other:
+        text += f" against {low} when beginning with {names[other]}"
+    if _changed_its_mind(decision):
+        best = int(np.argmax(before))
+        high, low = pair(float(before[best]), float(before[chosen]))
+        text += f". Without thinking, {names[best]} was expected to earn more: {high} against {low}"
+    return f"{text}."
+
+
+def _plan_clause(decision: Decision, spec: TaskSpec) -> str:
+    plan = decision.plan
+    assert plan is not None
+    names = [spec.action_names[a] for a in plan.actions]
+    if not names:
+        return f"Thinking ahead: what follows {spec.action_names[decision.action]} is unknown"
+    rewards = ", ".join(number(float(reward)) for reward in plan.rewards)
+    text = f"Thinking {count(len(names), 'step')} ahead: {', '.join(names)} "
+    text += f"is expected to earn {rewards} and "
+    goes_on = float(plan.continues[-1])
+    if goes_on == 0:
+        return f"{text}end the episode"
+    text += f"lead near option {int(plan.options[-1])}, worth {number(plan.worth)}"
+    if goes_on < 1:
+        text += f" (a chance of {percent(1 - goes_on)} that the episode ends on the way)"
+    return text
+
+
+def _changed_its_mind(decision: Decision) -> bool:
+    before = decision.outlook_values
+    return decision.plan is not None and bool(before[decision.action] < before.max())
+
+
 def _whom(decision: Decision, spec: TaskSpec, view: ForestView | None) -> str:
     first = int(decision.voters[0])
-    if decision.decide_by is DecideBy.PATH:
+    if decision.plan is not None:
+        text = f"Option {first} is the most similar now"
+    elif decision.decide_by is DecideBy.PATH:
         text = f"Option {first}, the most similar, decided alone"
         if decision.slopes.any():
             text += f": {_outlook(decision, spec)}"

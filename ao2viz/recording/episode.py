@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.decision import DecideBy, Decision
+from ao2viz.core.decision import DecideBy, Decision, Plan
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,6 +63,7 @@ def pack_decisions(
         "explored": np.zeros(t, np.bool_),
         "is_tie": np.zeros(t, np.bool_),
         "created": np.full(t, -1, np.int32),
+        **_pack_plans([d.plan for d in decisions], n_features, n_actions),
     }
     for i, d in enumerate(decisions):
         n, length = len(d.voters), d.paths.shape[1]
@@ -84,6 +85,52 @@ def pack_decisions(
         packed["is_tie"][i] = d.is_tie
         packed["created"][i] = d.created
     return packed
+
+
+def _pack_plans(
+    plans: Sequence[Plan | None], n_features: int, n_actions: int
+) -> dict[str, NDArray]:
+    """What each decision thought ahead, as arrays [T, …]; a length of -1: it did not."""
+    t = len(plans)
+    length = max((len(plan.actions) for plan in plans if plan is not None), default=0)
+    packed: dict[str, NDArray] = {
+        "plan_length": np.full(t, -1, np.int32),
+        "plan_actions": np.full((t, length), -1, np.int32),
+        "plan_states": np.zeros((t, length, n_features)),
+        "plan_rewards": np.zeros((t, length)),
+        "plan_continues": np.zeros((t, length)),
+        "plan_options": np.full((t, length), -1, np.int32),
+        "plan_worth": np.zeros(t),
+        "plan_outlook_values": np.zeros((t, n_actions)),
+    }
+    for i, plan in enumerate(plans):
+        if plan is None:
+            continue
+        n = len(plan.actions)
+        packed["plan_length"][i] = n
+        packed["plan_actions"][i, :n] = plan.actions
+        packed["plan_states"][i, :n] = plan.states
+        packed["plan_rewards"][i, :n] = plan.rewards
+        packed["plan_continues"][i, :n] = plan.continues
+        packed["plan_options"][i, :n] = plan.options
+        packed["plan_worth"][i] = plan.worth
+        packed["plan_outlook_values"][i] = plan.outlook_values
+    return packed
+
+
+def _unpack_plan(packed: dict[str, NDArray], i: int) -> Plan | None:
+    n = int(packed["plan_length"][i])
+    if n < 0:
+        return None
+    return Plan(
+        actions=packed["plan_actions"][i, :n].astype(np.int64),
+        states=packed["plan_states"][i, :n],
+        rewards=packed["plan_rewards"][i, :n],
+        continues=packed["plan_continues"][i, :n],
+        options=packed["plan_options"][i, :n].astype(np.int64),
+        worth=float(packed["plan_worth"][i]),
+        outlook_values=packed["plan_outlook_values"][i],
+    )
 
 
 def unpack_decisions(packed: dict[str, NDArray]) -> tuple[Decision, ...]:
@@ -108,6 +155,7 @@ def unpack_decisions(packed: dict[str, NDArray]) -> tuple[Decision, ...]:
                 explored=bool(packed["explored"][i]),
                 is_tie=bool(packed["is_tie"][i]),
                 created=int(packed["created"][i]),
+                plan=_unpack_plan(packed, i),
             )
         )
     return tuple(decisions)

@@ -25,7 +25,7 @@ MAX_FILE_BYTES = 512 * 2**20
 MAX_ARRAY_BYTES = 512 * 2**20
 """All arrays of one file together, as they are in memory."""
 MAX_MANIFEST_BYTES = 8 * 2**20
-MAX_MEMBERS = 20_000
+MAX_MEMBERS = 30_000
 
 _NAME = re.compile(
     r"(history|learner/[a-z0-9_]{1,60}|growth/[a-z_]{1,20}|"

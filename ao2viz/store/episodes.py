@@ -11,7 +11,7 @@ from ao2viz.store.errors import AgentFileError
 from ao2viz.store.manifest import EpisodeHeader
 
 # Arrays of the decisions: type and dimensions, as in `Decision`; T steps, A actions, D features,
-# K voters, P path.
+# K voters, P path, L plan.
 # Observation and action of each decision are those of the episode and not stored again.
 DECISIONS: Mapping[str, tuple[str, str]] = {
     "by_vote": ("bool", "T"),
@@ -30,6 +30,17 @@ DECISIONS: Mapping[str, tuple[str, str]] = {
     "is_tie": ("bool", "T"),
     "created": ("int32", "T"),
 }
+# Only where a decision of the episode thought ahead.
+PLANS: Mapping[str, tuple[str, str]] = {
+    "plan_length": ("int32", "T"),
+    "plan_actions": ("int32", "TL"),
+    "plan_states": ("float64", "TLD"),
+    "plan_rewards": ("float64", "TL"),
+    "plan_continues": ("float64", "TL"),
+    "plan_options": ("int32", "TL"),
+    "plan_worth": ("float64", "T"),
+    "plan_outlook_values": ("float64", "TA"),
+}
 _FINITE = ("action_values", "shares", "voter_weights", "slopes")
 _IDS = ("voters", "paths", "runner_up_option", "created")
 
@@ -46,6 +57,8 @@ def episode_to_arrays(episode: Episode, spec: TaskSpec) -> dict[str, NDArray]:
         and np.array_equal(packed.pop("action"), episode.actions)
     ):
         raise ValueError("Expected an episode's decisions to be about its own steps.")
+    if all(decision.plan is None for decision in episode.decisions):
+        packed = {name: array for name, array in packed.items() if name not in PLANS}
     return {
         "observations": episode.observations,
         "actions": episode.actions,
@@ -73,12 +86,15 @@ def episode_from_arrays(
     actions = _take(arrays, "actions", "int64", (t,))
     rewards = _take(arrays, "rewards", "float64", (t,))
     k, p = arrays.get("decisions/paths", np.empty((0, 0, 0))).shape[-2:]
-    sizes = {"T": t, "A": a, "D": d, "K": k, "P": p}
+    length = (*arrays.get("decisions/plan_actions", np.empty((0, 0))).shape, 0)[1]
+    sizes = {"T": t, "A": a, "D": d, "K": k, "P": p, "L": length}
     # Options of format 1 had no outlook: their weights were taken as they are.
     arrays = {"decisions/slopes": np.zeros((t, a, d)), **arrays}
+    thought = any(f"decisions/{name}" in arrays for name in PLANS)
+    expected = {**DECISIONS, **PLANS} if thought else DECISIONS
     packed = {
         name: _take(arrays, f"decisions/{name}", dtype, tuple(sizes[letter] for letter in shape))
-        for name, (dtype, shape) in DECISIONS.items()
+        for name, (dtype, shape) in expected.items()
     }
     if len(arrays) != len(packed) + 3:
         raise AgentFileError("Expected only the known arrays in a recorded episode.")
@@ -99,6 +115,10 @@ def episode_from_arrays(
     if spoke.any():
         _expect(p > 0 and (packed["paths"][spoke][:, 0] >= 0).all(), "a path for every voter")
         _expect((packed["path_length"][spoke.any(axis=1)] > 0).all(), "a path for every voter")
+    if thought:
+        _check_plans(packed, actions, a, n_rows)
+    else:
+        packed |= _no_plans(t, d, a)
     packed = {"observation": observations[:-1], "action": actions.astype(np.int32), **packed}
     return Episode(
         env_id=spec.env_id,
@@ -112,6 +132,35 @@ def episode_from_arrays(
         started_at=header.started_at,
         is_training=header.is_training,
     )
+
+
+def _no_plans(t: int, d: int, a: int) -> dict[str, NDArray]:
+    """The arrays of an episode in which nothing was thought ahead."""
+    sizes = {"T": t, "A": a, "D": d, "L": 0}
+    return {
+        name: np.full(tuple(sizes[letter] for letter in shape), -1, dtype)
+        for name, (dtype, shape) in PLANS.items()
+    }
+
+
+def _check_plans(
+    packed: Mapping[str, NDArray], actions: NDArray[np.int64], n_actions: int, n_rows: int
+) -> None:
+    for name, (dtype, _) in PLANS.items():
+        _expect(dtype != "float64" or np.isfinite(packed[name]).all(), f"finite {name}")
+    lengths, most = packed["plan_length"], packed["plan_actions"].shape[1]
+    _expect(((lengths >= -1) & (lengths <= most)).all(), f"plans of at most {most} steps")
+    planned = np.arange(most) < lengths[:, None]
+    for name, end in (("plan_actions", n_actions), ("plan_options", n_rows)):
+        inside = packed[name][planned]
+        _expect(((inside >= 0) & (inside < end)).all(), f"{name} from 0 to {end - 1}")
+    begun = lengths > 0
+    _expect(
+        most == 0 or (packed["plan_actions"][begun, 0] == actions[begun]).all(),
+        "plans that begin with the action taken",
+    )
+    chances = packed["plan_continues"]
+    _expect(((chances >= 0) & (chances <= 1)).all(), "chances from 0 to 1")
 
 
 def _take(arrays: Mapping[str, NDArray], name: str, dtype: str, shape: tuple[int, ...]) -> NDArray:

@@ -39,6 +39,12 @@ def _forget_splitting(manifest: Json) -> Json:
     return manifest | {"settings": kept}
 
 
+# Settings that a file may lack: an agent without them did what these say.
+_IF_LACKING: Mapping[Preset, Json] = {
+    Preset.ANTICIPATING: {"think_ahead": 0, "think_limit": 0},
+    Preset.PAPER: {},
+}
+
 UPGRADES: Mapping[int, Callable[[Json], Json]] = {1: _forget_splitting}
 
 
@@ -258,6 +264,7 @@ def _parse(content: bytes) -> Json:
 
 
 def _settings(preset: Preset, settings: Json) -> Json:
+    settings = _IF_LACKING[preset] | settings
     fields = _Fields(settings, "settings")
     for name, value in settings.items():
         fields.check_text("the name of a setting", name)

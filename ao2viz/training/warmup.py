@@ -17,7 +17,10 @@ def warm_up(config: Config, n_features: int, n_actions: int) -> None:
     """
     rng = np.random.default_rng(0)
     if isinstance(config, AnticipatingConfig):
-        config = change_config(config, {"warmup_steps": 20, "sleep_sweeps": 2})
+        # One step ahead compiles all there is to thinking.
+        ahead = min(config.think_ahead, 1)
+        settings = {"warmup_steps": 20, "sleep_sweeps": 2, "think_ahead": ahead}
+        config = change_config(config, settings)
     learner = make_learner(config, np.ones(n_features), n_actions, rng)
     for step in range(_STEPS):
         # The world widens on the way, so that changing the attention is compiled as well.

@@ -109,6 +109,19 @@ def test_evaluate_gives_every_return_and_their_statistics(cli: Cli, agent_file: 
     assert " ".join(f"{value:.6g}" for value in expected) in text
 
 
+def test_evaluate_can_think_ahead(cli: Cli, agent_file: Path) -> None:
+    agent = ao2viz.AO2.load(agent_file)
+    agent.set_think_ahead(2)
+    arguments = ("evaluate", str(agent_file), "--episodes", "2", "--think-ahead", "2")
+    result = json.loads(cli(*arguments, "--json").stdout)
+    assert result["think_ahead"] == 2
+    assert result["returns"] == agent.evaluate(episodes=2).tolist()
+    assert "thinking 2 steps ahead, deciding by" in cli(*arguments).stdout
+    refused = cli("evaluate", str(agent_file), "--think-ahead", "9")
+    assert refused.returncode == 2
+    assert "Expected think_ahead between 0 and 8" in refused.stderr
+
+
 def test_evaluate_of_one_episode_claims_no_spread(cli: Cli, agent_file: Path) -> None:
     result = json.loads(cli("evaluate", str(agent_file), "--episodes", "1", "--json").stdout)
     assert len(result["returns"]) == 1

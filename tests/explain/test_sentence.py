@@ -8,7 +8,7 @@ import pytest
 from ao2viz.core.decision import DecideBy
 from ao2viz.explain.sentence import explain, path_steps
 from ao2viz.explain.words import amount, count, number, pair, percent
-from tests.forests import SEEN, cartpole, decision, no_options, small_view
+from tests.forests import SEEN, cartpole, decision, no_options, plan, small_view
 
 SPEC = cartpole()
 
@@ -74,6 +74,67 @@ def test_it_is_said_where_the_outlook_goes_against_the_options_own_weights():
     assert (
         "its own weight for push right is 92.2, its outlook here 93.5 (by its own weights it "
         "prefers push left)." in text
+    )
+
+
+def test_a_plan_is_told_step_by_step_and_what_was_expected_without_it():
+    explanation = explain(decision(plan=plan()), SPEC, small_view())
+    assert explanation.headline == "push right"
+    assert explanation.reason == (
+        "Thinking 3 steps ahead: push right, push right, push left is expected to earn 1.00, 1.00, "
+        "1.00 and lead near option 4, worth 91.2, in all 91.5 (discounted) against 87.2 when "
+        "beginning with push left. Without thinking, push left was expected to earn more: 90.2 "
+        "against 90.0. Option 4 is the most similar now. It differs most in pole angle: 3.44° "
+        "there, 4.58° now."
+    )
+    assert explanation.marks == ("changed its mind",)
+
+
+def test_nothing_is_said_of_a_mind_that_did_not_change():
+    explanation = explain(
+        decision(plan=plan(outlook_values=np.array([90.0, 90.0]))), SPEC, small_view()
+    )
+    assert "Without thinking" not in explanation.reason
+    assert explanation.marks == ()
+
+
+def test_a_plan_tells_the_chance_that_it_ends_the_episode():
+    text = said(plan=plan(continues=np.array([1.0, 0.95, 0.9])))
+    assert "worth 91.2 (a chance of 10 % that the episode ends on the way), in all" in text
+    short = plan(
+        actions=np.array([1]),
+        states=SEEN[None],
+        rewards=np.array([-1.0]),
+        continues=np.array([0.0]),
+        options=np.array([1]),
+        worth=0.0,
+    )
+    text = said(plan=short)
+    assert "Thinking 1 step ahead: push right is expected to earn −1.00 and end the episode" in text
+
+
+def test_a_plan_without_steps_says_that_nothing_is_known():
+    nothing = plan(
+        actions=np.empty(0, np.int64),
+        states=np.empty((0, 4)),
+        rewards=np.empty(0),
+        continues=np.empty(0),
+        options=np.empty(0, np.int64),
+        worth=91.5,
+        outlook_values=np.array([90.0, 91.5]),
+    )
+    assert said(plan=nothing).startswith(
+        "Thinking ahead: what follows push right is unknown, and the options expect it to earn "
+        "91.5 (discounted) against 87.2 when beginning with push left."
+    )
+
+
+def test_a_tie_between_plans_is_still_a_tie():
+    text = said(plan=plan(), action_values=np.array([4.0, 4.0]), is_tie=True)
+    assert text.startswith(
+        "A tie: push left and push right were expected to earn exactly 4.00. Thinking 3 steps "
+        "ahead: push right, push right, push left is expected to earn 1.00, 1.00, 1.00 and lead "
+        "near option 4, worth 91.2."
     )
 
 

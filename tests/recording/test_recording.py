@@ -1,4 +1,5 @@
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -9,22 +10,51 @@ from ao2viz.core.growth import GrowthEvent, GrowthKind
 from ao2viz.recording.episode import pack_decisions, unpack_decisions
 from ao2viz.recording.growth_log import GrowthLog
 from ao2viz.recording.history import EpisodeSummary, History
+from tests.forests import decision, plan
 
 
+@pytest.mark.parametrize("think_ahead", [0, 2])
 @pytest.mark.parametrize("decide_by", DecideBy)
-def test_packed_decisions_come_back_exactly(decide_by):
+def test_packed_decisions_come_back_exactly(decide_by, think_ahead):
     agent = AO2("CartPole-v1", warmup_steps=50, decide_by=decide_by).learn(200)
+    agent.set_think_ahead(think_ahead)
     decisions = agent.record_episode(3).decisions
     again = unpack_decisions(pack_decisions(decisions, 4, 2))
     assert len(again) == len(decisions) > 5
+    assert any(one.plan is not None for one in decisions) == (think_ahead > 0)
     for one, other in zip(decisions, again, strict=True):
-        for field in dataclasses.fields(one):
-            a, b = getattr(one, field.name), getattr(other, field.name)
-            assert np.array_equal(
-                a, b, equal_nan=isinstance(a, float) or field.name == "path_distances"
-            ), field.name
-            if isinstance(a, np.ndarray):
-                assert (a.shape, a.dtype) == (b.shape, b.dtype), field.name
+        assert_same_record(replace(one, plan=None), replace(other, plan=None))
+        assert (one.plan is None) == (other.plan is None)
+        if one.plan is not None and other.plan is not None:
+            assert_same_record(one.plan, other.plan)
+
+
+def test_decisions_that_thought_and_that_did_not_pack_together():
+    empty = np.empty(0, np.int64)
+    short = plan(
+        actions=empty,
+        states=np.empty((0, 4)),
+        rewards=np.empty(0),
+        continues=np.empty(0),
+        options=empty,
+    )
+    made = [decision(plan=plan()), decision(), decision(plan=short)]
+    again = unpack_decisions(pack_decisions(made, 4, 2))
+    assert again[1].plan is None
+    for one, other in ((made[0].plan, again[0].plan), (short, again[2].plan)):
+        assert one is not None
+        assert other is not None
+        assert_same_record(one, other)
+
+
+def assert_same_record(one, other):
+    for field in dataclasses.fields(one):
+        a, b = getattr(one, field.name), getattr(other, field.name)
+        assert np.array_equal(
+            a, b, equal_nan=isinstance(a, float) or field.name == "path_distances"
+        ), field.name
+        if isinstance(a, np.ndarray):
+            assert (a.shape, a.dtype) == (b.shape, b.dtype), field.name
 
 
 def test_no_decisions_pack_to_nothing():

@@ -16,7 +16,11 @@ CODE = {part for text in re.findall(r"`([^`]+)`", PAGE) for part in re.split(r"[
 @pytest.mark.parametrize("preset", Preset)
 def test_every_field_and_array_is_on_the_page(tmp_path, preset):
     agent = AO2("CartPole-v1", preset).learn(400)
+    if preset is Preset.ANTICIPATING:
+        agent.set_think_ahead(2)
     agent.record_episode(1)
+    if preset is Preset.ANTICIPATING:
+        assert agent.episodes[0].decisions[0].plan is not None
     agent.save(tmp_path / "a.ao2")
     parts = Parts.of(tmp_path / "a.ao2")
     top = parts.manifest

@@ -12,6 +12,7 @@ def format_1(parts, tmp_path):
     manifest = parts.manifest
     manifest["format_version"] = 1
     manifest["settings"] |= {"split_distance": 0.2, "voters": 16}
+    del manifest["settings"]["think_ahead"], manifest["settings"]["think_limit"]
     for name in [name for name in parts.members if name.endswith("decisions/slopes.npy")]:
         parts.remove(name)
     for name, padding in (("end_ids", -1), ("end_shares", 0)):
@@ -34,6 +35,16 @@ def test_its_episodes_had_no_outlook(format_1):
     ]
     assert decisions
     assert not any(decision.slopes.any() for decision in decisions)
+    assert all(decision.plan is None for decision in decisions)
+
+
+def test_its_agent_did_not_think_ahead_and_can(format_1, tmp_path):
+    old = AO2.load(format_1)
+    assert vars(old.config)["think_ahead"] == vars(old.config)["think_limit"] == 0
+    old.set_think_ahead(2)
+    assert old.decide([0.0, 0.1, 0.0, 0.1]).plan is not None
+    old.save(tmp_path / "new.ao2")
+    assert vars(AO2.load(tmp_path / "new.ao2").config)["think_ahead"] == 2
 
 
 def test_it_learns_on_and_is_saved_in_todays_format(format_1, tmp_path):
