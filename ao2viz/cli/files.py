@@ -1,8 +1,9 @@
 """Checks on the files a command is to write, before any work is done for them."""
 
-import secrets
 import tempfile
 from pathlib import Path
+
+from ao2viz.store.replacing import replacing
 
 RUNS_FOLDER = Path("runs")
 """Where agents go, and are looked for, if nothing else is said; below the working folder."""
@@ -54,10 +55,5 @@ def write_text(path: Path, text: str) -> None:
     Raises:
         OSError: If it cannot be written; an old one then is as it was.
     """
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
-    try:
-        beside.write_text(text, "utf-8")
-        beside.replace(path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
+    with replacing(path) as stream:
+        stream.write(text.encode())

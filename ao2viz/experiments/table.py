@@ -7,9 +7,7 @@ some milliseconds against the minutes of a run, and a kill at any moment leaves 
 import contextlib
 import dataclasses
 import json
-import os
 import re
-import secrets
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any
@@ -23,6 +21,7 @@ from ao2viz.experiments.locks import locked
 from ao2viz.experiments.measure import Evaluation
 from ao2viz.experiments.plan import Run, Schedule
 from ao2viz.experiments.provenance import Provenance
+from ao2viz.store.replacing import replacing
 
 SUFFIX = ".parquet"
 FORMAT_VERSION = 1
@@ -180,16 +179,8 @@ def _check_schema(path: Path, found: pa.Schema) -> None:
 def _write(path: Path, rows: pa.Table) -> None:
     sink = pa.BufferOutputStream()
     pq.write_table(rows.combine_chunks(), sink, compression="zstd")
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
-    try:
-        with open(beside, "xb") as stream:
-            stream.write(sink.getvalue())
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.replace(beside, path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
+    with replacing(path) as stream:
+        stream.write(sink.getvalue())
 
 
 def _key(evaluation: Evaluation) -> _Key:

@@ -4,7 +4,6 @@ import contextlib
 import dataclasses
 import datetime
 import os
-import secrets
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +18,7 @@ from ao2viz.store.archive import ArchiveReader, ArchiveWriter
 from ao2viz.store.episodes import episode_from_arrays, episode_to_arrays
 from ao2viz.store.errors import AgentFileError
 from ao2viz.store.manifest import Manifest, from_json, to_json
+from ao2viz.store.replacing import replacing
 from ao2viz.store.saved import SavedAgent
 
 SUFFIX = ".ao2"
@@ -55,18 +55,8 @@ def write(path: AnyPath, saved: SavedAgent) -> Path:
     """
     path = Path(path)
     path.parent.mkdir(parents=True, exist_ok=True)
-    # A name of its own, so that two who save at once cannot write into each other's file.
-    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
-    try:
-        with open(beside, "xb") as stream:
-            _write_to(stream, saved)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.replace(beside, path)
-    except BaseException:
-        beside.unlink(missing_ok=True)
-        raise
-    _sync_folder(path.parent)
+    with replacing(path) as stream:
+        _write_to(stream, saved)
     return path
 
 
@@ -209,13 +199,3 @@ def _growth(arrays: dict[str, NDArray], dropped: int) -> dict[str, NDArray]:
     except ValueError as error:
         raise AgentFileError(str(error)) from error
     return arrays
-
-
-def _sync_folder(folder: Path) -> None:
-    """Makes the new name last through a power failure, where folders can be synced."""
-    with contextlib.suppress(OSError):
-        handle = os.open(folder, os.O_RDONLY)
-        try:
-            os.fsync(handle)
-        finally:
-            os.close(handle)

@@ -168,7 +168,7 @@ def test_a_failed_save_leaves_the_old_file_and_no_litter(tmp_path, agent, monkey
     def fail(*_):
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(files.os, "fsync", fail)
+    monkeypatch.setattr(os, "fsync", fail)
     with pytest.raises(OSError, match="No space left"):
         agent.save(path)
     assert path.read_bytes() == before
