@@ -28,6 +28,21 @@ _NARROWEST = 1e-9
 
 
 @compiled
+def _find(columns: Columns, query: NDArray[np.float64], wanted: int, work: Workspace) -> int:
+    """Puts the most similar options into the work space, the closest first; returns how many."""
+    return find_nearest(
+        columns.places,
+        columns.visits,
+        query,
+        ANY_ACTION,
+        np.inf,
+        np.inf,
+        work.ids[:wanted],
+        work.distances[:wanted],
+    )
+
+
+@compiled
 def _gather(
     columns: Columns,
     query: NDArray[np.float64],
@@ -42,16 +57,7 @@ def _gather(
     `kernel` and `offsets`; returns how many options and the kernel's width.
     """
     wanted = min(work.ids.shape[0], breadth * (query.shape[0] + 1) + 1)
-    count = find_nearest(
-        columns.places,
-        columns.visits,
-        query,
-        ANY_ACTION,
-        np.inf,
-        np.inf,
-        work.ids[:wanted],
-        work.distances[:wanted],
-    )
+    count = _find(columns, query, wanted, work)
     if count == 0:
         return 0, 0.0
     # The last one marks the width, unless all are equally near: none would have a say.
@@ -127,16 +133,7 @@ def weigh_by_path(
     """
     work.slopes[:] = 0.0
     action_values[:] = 0.0
-    found = find_nearest(
-        columns.places,
-        columns.visits,
-        query,
-        ANY_ACTION,
-        np.inf,
-        np.inf,
-        work.ids[:2],
-        work.distances[:2],
-    )
+    found = _find(columns, query, 2, work)
     if found == 0:
         return 0
     option, second = work.ids[0], work.ids[1]

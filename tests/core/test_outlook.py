@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from ao2viz.core.decision import DecideBy
 from ao2viz.core.forest import Forest
-from ao2viz.core.inference import Reading, act, decide
+from ao2viz.core.inference import Reading, act, decide, find_shares
 from ao2viz.core.local_linear import make_workspace
 
 RIDGE = 1e-6
@@ -70,6 +70,27 @@ def test_without_an_outlook_the_options_own_weights_decide():
         decision.action_values, forest.columns.weights[decision.voters[0]]
     )
     assert not decision.slopes.any()
+
+
+@pytest.mark.parametrize("is_deciding", [True, False])
+@pytest.mark.parametrize("attention", [0.001, 1.0, 1000.0])
+def test_who_has_a_say_does_not_depend_on_how_dense_the_options_lie(is_deciding, attention):
+    rng = np.random.default_rng(3)
+    values, place = rng.uniform(-1.0, 1.0, (200, 2)), np.array([0.1, -0.2])
+    shares = []
+    for scale in (1.0, attention):
+        forest = Forest(2, 2, np.full(2, scale))
+        for n, value in enumerate(values):
+            forest.add(value, -1, n)
+        work = make_workspace(32, 2, 2)
+        count = find_shares(forest.columns, scale * place, 0.02, is_deciding, work)
+        shares.append(dict(zip(work.ids[:count].tolist(), work.shares[:count], strict=True)))
+    said, again = shares
+    assert said.keys() == again.keys()
+    np.testing.assert_allclose(list(said.values()), list(again.values()), atol=1e-9)
+    # Three for each coefficient of a plane to decide, two to imagine; one more marks the width.
+    assert len(said) == (10 if is_deciding else 7)
+    assert sum(share > 0 for share in said.values()) > 3
 
 
 @pytest.mark.parametrize("decide_by", list(DecideBy))
