@@ -1,11 +1,9 @@
 """The agent as a Python programmer meets it: learn, predict, decide, save, load."""
 
 import contextlib
-import difflib
 import os
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import fields
 from typing import Any, Self
 
 import gymnasium as gym
@@ -18,11 +16,14 @@ from ao2viz.core.config import (
     Config,
     Preset,
     change_config,
+    check_names,
     make_config,
     preset_of,
+    to_preset,
 )
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
+from ao2viz.envs.matching import check_env, check_match
 from ao2viz.envs.task import TaskSpec, describe, make_env, settings_for, to_observation
 from ao2viz.recording.episode import Episode
 from ao2viz.recording.growth_log import GrowthLog
@@ -68,9 +69,9 @@ class AO2:
         Raises:
             ValueError: If the environment does not fit, or a setting is unknown or out of range.
         """
-        kind = _to_preset(preset)
-        _check_names(kind, overrides)
-        self._env: gym.Env | None = make_env(env) if isinstance(env, str) else _check_env(env)
+        kind = to_preset(preset)
+        check_names(kind, overrides, beside=("action_bins",))
+        self._env: gym.Env | None = make_env(env) if isinstance(env, str) else check_env(env)
         self.spec: TaskSpec = describe(self._env, overrides.pop("action_bins", None))
         config = change_config(make_config(kind, settings_for(self.spec, kind)), overrides)
         self._setup(config, _to_seed(seed))
@@ -103,7 +104,7 @@ class AO2:
             ValueError: If it cannot be made from its id; `load` takes one then.
         """
         if self._env is None:
-            self._env = _match(make_env(self.spec.env_id), self.spec)
+            self._env = check_match(make_env(self.spec.env_id), self.spec)
         return self._env
 
     @property
@@ -296,7 +297,7 @@ class AO2:
         agent = cls.__new__(cls)
         agent.spec = saved.spec
         given = make_env(env) if isinstance(env, str) else env
-        agent._env = None if given is None else _match(_check_env(given), saved.spec)
+        agent._env = None if given is None else check_match(check_env(given), saved.spec)
         agent._setup(saved.config, saved.seed)
         try:
             agent._learner.set_state(dict(saved.state))
@@ -319,60 +320,10 @@ class AO2:
         )
 
 
-def _to_preset(preset: Preset | str) -> Preset:
-    try:
-        return Preset(preset)
-    except ValueError:
-        names = " or ".join(repr(kind.value) for kind in Preset)
-        raise ValueError(f"Expected preset to be {names}, but got {preset!r}.") from None
-
-
 def _to_seed(seed: int) -> int:
     if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:
         raise ValueError(f"Expected seed to be a whole number from 0 on, but got {seed!r}.")
     return int(seed)
-
-
-def _check_names(preset: Preset, overrides: dict[str, Any]) -> None:
-    known = ["action_bins", *(field.name for field in fields(make_config(preset, {})))]
-    for name in overrides:
-        if name not in known:
-            near = difflib.get_close_matches(name, known, n=1)
-            hint = f" Did you mean {near[0]!r}?" if near else ""
-            raise ValueError(
-                f"There is no setting {name!r} in the {preset.value} preset.{hint} Valid "
-                f"settings: {', '.join(known)}."
-            )
-
-
-def _check_env(env: Any) -> gym.Env:
-    if not isinstance(env, gym.Env):
-        raise ValueError(
-            f"Expected a Gymnasium id or a single gymnasium.Env, but got {type(env).__name__}."
-        )
-    return env
-
-
-def _match(env: gym.Env, spec: TaskSpec) -> gym.Env:
-    """The environment, if an agent made for `spec` can act in it."""
-    came = describe(env, spec.action_bins)
-    expected, got = (
-        (
-            task.n_features,
-            task.n_actions,
-            task.action_offset,
-            None if task.action_grid is None else task.action_grid.tolist(),
-        )
-        for task in (spec, came)
-    )
-    if got != expected:
-        raise ValueError(
-            f"This agent learned on {spec.env_id}, with {spec.n_features} features and the "
-            f"actions {', '.join(spec.action_names)}; {came.env_id} has {came.n_features} "
-            f"features and the actions {', '.join(came.action_names)}. Give it its own "
-            f"environment."
-        )
-    return env
 
 
 @contextlib.contextmanager

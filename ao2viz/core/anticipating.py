@@ -13,14 +13,21 @@ from ao2viz.core.accommodation import MAX_LINKS, find_parent
 from ao2viz.core.arrays import Arrays, take_array
 from ao2viz.core.assimilation import assimilate, imagine_all, keep_stories, settle
 from ao2viz.core.attention import RunningSpread, attention_from, has_changed
-from ao2viz.core.config import MAX_VOTERS, AnticipatingConfig
+from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
-from ao2viz.core.experience import allocate_experience, record
+from ao2viz.core.experience import record
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
-from ao2viz.core.imagination import allocate_imagination, rules_of, worth_of
+from ao2viz.core.imagination import rules_of
 from ao2viz.core.inference import Reading, act, count_ends, decide
 from ao2viz.core.local_linear import make_workspace
+from ao2viz.core.memory import (
+    Memory,
+    allocate_memory,
+    memory_from_arrays,
+    memory_to_arrays,
+    reserve,
+)
 from ao2viz.core.regrowth import regrow
 from ao2viz.core.relevance import find_relevance
 from ao2viz.core.search import ANY_ACTION, find_nearest
@@ -56,7 +63,10 @@ class AnticipatingLearner:
         self._next_check = config.warmup_steps
         self._waiting: list[Transition] = []  # Warm-up steps not learned from yet.
         self._cursors = np.zeros(2, np.int64)
-        self._set_forest(Forest(self._n_features, n_actions, np.zeros(self._n_features)))
+        forest = Forest(self._n_features, n_actions, np.zeros(self._n_features))
+        memory = allocate_memory(forest, self._n_ends)
+        self._forest, self._experience, self._imagination = memory
+        self._work = make_workspace(config.voters, self._n_features, n_actions)
         self._observation = np.zeros(self._n_features)
         self._forget_episode()
 
@@ -152,14 +162,9 @@ class AnticipatingLearner:
 
     def get_state(self) -> Arrays:
         """Copies of everything needed to continue; see `Learner`."""
-        n = self._forest.n_rows
-        imagination = self._imagination._asdict()
-        experience = self._experience._asdict()
-        del imagination["value"]  # Follows from the weights.
+        memory = Memory(self._forest, self._experience, self._imagination)
         return {
-            **self._forest.get_state(),
-            **{f"experience_{name}": array[:n].copy() for name, array in experience.items()},
-            **{f"imagination_{name}": array[:n].copy() for name, array in imagination.items()},
+            **memory_to_arrays(memory),
             "spread": self._spread.moments.copy(),
             "grown_at": self._grown_at.copy(),
             "waiting": np.array([step.to_row() for step in self._waiting]).reshape(
@@ -170,25 +175,8 @@ class AnticipatingLearner:
 
     def set_state(self, state: Arrays) -> None:
         """Takes over what `get_state` gave; see `Learner`."""
-        forest = Forest(self._n_features, self._n_actions, np.zeros(self._n_features))
-        forest.set_state(state)
-        n, a, d = forest.n_rows, self._n_actions, self._n_features
-        experience = allocate_experience(forest.capacity, a, d)
-        # Files of format 1 keep room for more ends than are needed now; they may.
-        ends = max(self._n_ends, state.get("imagination_end_ids", np.empty(0)).shape[-1])
-        imagination = allocate_imagination(forest.capacity, a, min(ends, MAX_VOTERS))
-        for prefix, columns in (("experience", experience), ("imagination", imagination)):
-            for name, column in columns._asdict().items():
-                if name != "value":
-                    column[:n] = take_array(
-                        state, f"{prefix}_{name}", (n, *column.shape[1:]), column.dtype
-                    )
-        for name in ("end_ids", "story_end"):
-            ends = getattr(imagination, name)[:n]
-            if ((ends < NO_OPTION) | (ends >= n)).any():
-                raise ValueError(f"Expected option ids below {n} in imagination_{name}.")
-        for option in range(n):
-            imagination.value[option] = worth_of(forest.columns.weights[option], self.config.slip)
+        a, d = self._n_actions, self._n_features
+        memory = memory_from_arrays(state, d, a, self._n_ends, self.config.slip)
         counters = take_array(state, "counters", (4,), np.int64)
         spread = take_array(state, "spread", (3, d), np.float64)
         grown_at = take_array(state, "grown_at", (d,), np.float64)
@@ -199,8 +187,7 @@ class AnticipatingLearner:
         if len(waiting) >= self.config.warmup_steps or ((tried < 0) | (tried >= a)).any():
             raise ValueError(f"Expected fewer waiting steps than the warm-up's, actions below {a}.")
         self._forget_episode()
-        self._set_forest(forest)
-        self._experience, self._imagination = experience, imagination
+        self._forest, self._experience, self._imagination = memory
         self.n_steps, self._next_check = int(counters[0]), int(counters[1])
         self._cursors = counters[2:].copy()
         self._spread.moments[:] = spread
@@ -223,29 +210,6 @@ class AnticipatingLearner:
         self._trace_options: list[int] = []
         self._trace_actions: list[int] = []
         self._trace_rewards: list[float] = []
-
-    def _set_forest(self, forest: Forest) -> None:
-        self._forest = forest
-        capacity, a, d = forest.capacity, self._n_actions, self._n_features
-        self._experience = allocate_experience(capacity, a, d)
-        self._imagination = allocate_imagination(capacity, a, self._n_ends)
-        self._work = make_workspace(self.config.voters, d, a)
-
-    def _reserve(self) -> None:
-        """Makes room for one more option in every array at once."""
-        n, before = self._forest.n_rows, self._forest.capacity
-        self._forest.reserve(1)
-        capacity = self._forest.capacity
-        if capacity == before:
-            return
-        experience = allocate_experience(capacity, self._n_actions, self._n_features)
-        ends = self._imagination.end_ids.shape[2]
-        imagination = allocate_imagination(capacity, self._n_actions, ends)
-        for old, new in zip(
-            (*self._experience, *self._imagination), (*experience, *imagination), strict=True
-        ):
-            new[:n] = old[:n]
-        self._experience, self._imagination = experience, imagination
 
     def _situate(self, observation: NDArray[np.float64], events: list[GrowthEvent]) -> int:
         """The option that stands for an observation, accommodated if there is none."""
@@ -281,7 +245,8 @@ class AnticipatingLearner:
         query: NDArray[np.float64],
         events: list[GrowthEvent],
     ) -> int:
-        self._reserve()
+        memory = reserve(Memory(self._forest, self._experience, self._imagination))
+        self._forest, self._experience, self._imagination = memory
         forest, links = self._forest, np.empty(MAX_LINKS, np.int64)
         columns = forest.columns
         parent, covering = find_parent(

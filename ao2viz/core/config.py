@@ -2,7 +2,7 @@
 
 import difflib
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
 from enum import Enum
 from typing import Any
@@ -123,17 +123,26 @@ def make_config(preset: Preset, settings: Mapping[str, Any]) -> Config:
 
 def change_config(config: Config, settings: Mapping[str, Any]) -> Config:
     """A copy with some settings changed and checked; see `make_config`."""
-    known = {field.name: field.type for field in fields(config)}
-    checked = {}
-    for name, value in settings.items():
+    check_names(preset_of(config), settings)
+    checked = {name: _check(name, value, getattr(config, name)) for name, value in settings.items()}
+    return replace(config, **checked)
+
+
+def check_names(preset: Preset, names: Iterable[str], beside: tuple[str, ...] = ()) -> None:
+    """Checks that the preset has settings of these names, or that they are among `beside`.
+
+    Raises:
+        ValueError: Naming the first that is neither, and those that there are.
+    """
+    known = [*beside, *(field.name for field in fields(_CLASSES[preset]))]
+    for name in names:
         if name not in known:
             near = difflib.get_close_matches(name, known, n=1)
             hint = f" Did you mean {near[0]!r}?" if near else ""
             raise ValueError(
-                f"There is no setting {name!r} here.{hint} Valid settings: {', '.join(known)}."
+                f"There is no setting {name!r} in the {preset.value} preset.{hint} Valid "
+                f"settings: {', '.join(known)}."
             )
-        checked[name] = _check(name, value, getattr(config, name))
-    return replace(config, **checked)
 
 
 def config_to_dict(config: Config) -> dict[str, bool | int | float | str]:
@@ -142,6 +151,19 @@ def config_to_dict(config: Config) -> dict[str, bool | int | float | str]:
         field.name: value.value if isinstance(value := getattr(config, field.name), Enum) else value
         for field in fields(config)
     }
+
+
+def to_preset(preset: Preset | str) -> Preset:
+    """A preset, given as itself or by name.
+
+    Raises:
+        ValueError: If there is no preset of this name.
+    """
+    try:
+        return Preset(preset)
+    except ValueError:
+        names = " or ".join(repr(kind.value) for kind in Preset)
+        raise ValueError(f"Expected preset to be {names}, but got {preset!r}.") from None
 
 
 def preset_of(config: Config) -> Preset:
