@@ -7,6 +7,8 @@ from ao2viz.core.config import Preset
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.core.growth import GrowthEvent, GrowthKind
+from ao2viz.exports.export import export
+from ao2viz.exports.registry import Format
 from ao2viz.recording.episode import Episode
 
 try:
@@ -20,8 +22,10 @@ __all__ = [
     "Decision",
     "Episode",
     "ForestView",
+    "Format",
     "GrowthEvent",
     "GrowthKind",
     "Preset",
     "__version__",
+    "export",
 ]

@@ -14,6 +14,7 @@ from typer.main import get_command
 from ao2viz.cli.commands import app
 from ao2viz.core.config import AnticipatingConfig, Credit, PaperConfig, Preset
 from ao2viz.envs.catalogue import CATALOGUE
+from ao2viz.exports.registry import EXPORTERS, Format, suffix_of
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "benchmarks/README.md"])
@@ -56,6 +57,15 @@ def test_options_that_are_documented_exist() -> None:
     known = {option for options in commands().values() for option in options}
     for option in re.findall(r"`(--[a-z-]+)`", read("docs/cli.md")):
         assert option in known | {"--help", "--version"}, f"{option} is gone from the program."
+
+
+@pytest.mark.parametrize("format", Format)
+def test_every_export_format_is_explained(format: Format) -> None:
+    exporter = EXPORTERS[format]
+    row = re.search(rf"^\| `{format.value}` \|(.*)$", read("docs/exports.md"), re.MULTILINE)
+    assert row is not None, f"docs/exports.md does not explain {format.value}."
+    assert f" `{suffix_of(format) or 'folder'}` " in row[1].replace("| folder |", "| `folder` |")
+    assert ("extra `exports`" in row[1]) == bool(exporter.libraries)
 
 
 @pytest.mark.parametrize("config", [AnticipatingConfig, PaperConfig])

@@ -9,6 +9,7 @@ from ao2viz.cli.console import say
 from ao2viz.core.config import Preset
 from ao2viz.experiments.clusters import Cluster
 from ao2viz.experiments.extras import need
+from ao2viz.exports.registry import Format
 
 DEFAULT_HOST = "127.0.0.1"
 DEFAULT_PORT = 8080
@@ -247,6 +248,44 @@ def results(
     from ao2viz.cli.results import run  # noqa: PLC0415 -- heavy.
 
     run(file, markdown=markdown, plot=plot, as_json=as_json)
+
+
+@app.command()
+def export(
+    file: AgentFile,
+    format: Annotated[
+        Format, typer.Option("--format", help="What to write; docs/exports.md says what each is.")
+    ],
+    out: Annotated[
+        Path | None,
+        typer.Option(help="File (for some formats folder) to write; otherwise named after FILE."),
+    ] = None,
+    episode: Annotated[
+        int | None,
+        typer.Option(min=0, help="Only this recorded episode, counted from 0; otherwise all."),
+    ] = None,
+    step: Annotated[
+        int | None, typer.Option(min=0, help="The step, in formats that show one decision.")
+    ] = None,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the file if there is one already.")
+    ] = False,
+    env: Env = None,
+    as_json: Json = False,
+) -> None:
+    """Write an agent and its recorded decisions in a format that others read."""
+    from ao2viz.cli.export import run  # noqa: PLC0415 -- heavy.
+
+    run(
+        file,
+        format,
+        out=out,
+        episode=episode,
+        step=step,
+        overwrite=overwrite,
+        env=env,
+        as_json=as_json,
+    )
 
 
 @app.command()

@@ -7,6 +7,7 @@ from typing import Any
 from ao2viz.agent import AO2
 from ao2viz.cli.console import say, show_json, stderr
 from ao2viz.cli.files import check_output
+from ao2viz.explain.words import say_outcome
 from ao2viz.recording.episode import Episode
 from ao2viz.training.loop import evaluation_seed
 
@@ -117,16 +118,6 @@ def describe_episode(episode: Episode) -> dict[str, Any]:
         "truncated": episode.truncated,
         "is_training": episode.is_training,
     }
-
-
-def say_outcome(episode: Episode) -> str:
-    """How an episode went, in words."""
-    ending = "still under way"
-    if episode.terminated:
-        ending = "ended by the task"
-    elif episode.truncated:
-        ending = "cut off by the time limit"
-    return f"return {episode.total_reward:.6g} in {len(episode):,} steps, {ending}"
 
 
 def _count_episodes(count: int) -> str:

@@ -1,23 +1,24 @@
-"""Libraries that only experiments need: asked for in words, not with a traceback."""
+"""Libraries that only some commands need: asked for in words, not with a traceback."""
 
 import importlib
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 # What pip installs with each extra, by the names they are imported with.
 _EXTRAS: Mapping[str, tuple[str, ...]] = {
     "experiments": ("joblib", "pyarrow", "scipy"),
     "dask": ("distributed",),
     "ray": ("ray",),
+    "exports": ("pyarrow",),
 }
 
 
-def need(extra: str) -> None:
-    """Makes sure that everything of an extra can be imported.
+def need(extra: str, names: Iterable[str] | None = None) -> None:
+    """Makes sure that everything of an extra can be imported, or these libraries of it.
 
     Raises:
         ValueError: If something is missing; says how to get it.
     """
-    for name in _EXTRAS[extra]:
+    for name in _EXTRAS[extra] if names is None else names:
         try:
             importlib.import_module(name)
         except ImportError as error:

@@ -5,6 +5,7 @@ from numpy.typing import NDArray
 
 from ao2viz.envs.catalogue import Feature
 from ao2viz.envs.task import TaskSpec
+from ao2viz.recording.episode import Episode
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -51,3 +52,13 @@ def percent(share: float) -> str:
 def count(n: int, noun: str) -> str:
     """As in "1 step", "2 steps", "12,000 steps"."""
     return f"{n:,} {noun}" if n == 1 else f"{n:,} {noun}s"
+
+
+def say_outcome(episode: Episode) -> str:
+    """How an episode went, in words."""
+    ending = "still under way"
+    if episode.terminated:
+        ending = "ended by the task"
+    elif episode.truncated:
+        ending = "cut off by the time limit"
+    return f"return {episode.total_reward:.6g} in {len(episode):,} steps, {ending}"

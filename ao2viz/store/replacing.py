@@ -1,8 +1,9 @@
-"""Writing a file all or nothing: the old one stays until the new one is whole and on disk."""
+"""Writing all or nothing: an old file stays until the new one is whole and on disk."""
 
 import contextlib
 import os
 import secrets
+import shutil
 from collections.abc import Iterator
 from pathlib import Path
 from typing import IO
@@ -27,6 +28,25 @@ def replacing(path: Path) -> Iterator[IO[bytes]]:
         os.replace(beside, path)
     except BaseException:
         beside.unlink(missing_ok=True)
+        raise
+    _sync_folder(path.parent)
+
+
+@contextlib.contextmanager
+def replacing_folder(path: Path) -> Iterator[Path]:
+    """A new folder to fill, which gets the path's name when the block ends without an error.
+
+    Raises:
+        OSError: If it cannot be made, or something has that name already.
+    """
+    beside = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
+    try:
+        beside.mkdir()
+        yield beside
+        # Folders that are there are never replaced: nobody can know what else is in them.
+        beside.rename(path)
+    except BaseException:
+        shutil.rmtree(beside, ignore_errors=True)
         raise
     _sync_folder(path.parent)
 

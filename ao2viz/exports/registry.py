@@ -1,0 +1,64 @@
+"""Every format: what it holds, its file name, what it needs, and who writes it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+from typing import IO
+
+from ao2viz.exports.content import Content
+from ao2viz.exports.documents import write_json
+from ao2viz.exports.pages import write_latex, write_markdown
+from ao2viz.exports.tables import write_parquet, write_paths_csv, write_steps_csv
+
+
+class Format(Enum):
+    """What an agent can be exported as."""
+
+    JSON = "json"
+    CSV = "csv"
+    PATHS_CSV = "paths-csv"
+    PARQUET = "parquet"
+    MARKDOWN = "markdown"
+    LATEX = "latex"
+
+
+@dataclass(frozen=True)
+class FileExporter:
+    """A format that is one file."""
+
+    suffix: str  # Of the file's name.
+    holds: str  # In a few words.
+    write: Callable[[Content, IO[bytes]], None]
+    libraries: tuple[str, ...] = ()  # Of the extra `exports`, by the names they are imported with.
+
+
+@dataclass(frozen=True)
+class FolderExporter:
+    """A format that is a folder of files."""
+
+    holds: str
+    fill: Callable[[Content, Path], None]  # The folder is there and empty.
+    libraries: tuple[str, ...] = ()
+
+
+Exporter = FileExporter | FolderExporter
+
+EXPORTERS: Mapping[Format, Exporter] = {
+    Format.JSON: FileExporter(".json", "everything, for programs", write_json),
+    Format.CSV: FileExporter(".csv", "a row for each recorded step", write_steps_csv),
+    Format.PATHS_CSV: FileExporter(
+        ".csv", "a row for each option on each path of each step", write_paths_csv
+    ),
+    Format.PARQUET: FileExporter(
+        ".parquet", "a row for each recorded step, paths as lists", write_parquet, ("pyarrow",)
+    ),
+    Format.MARKDOWN: FileExporter(".md", "summary, attention, settings, steps", write_markdown),
+    Format.LATEX: FileExporter(".tex", "the steps of an episode as a table", write_latex),
+}
+
+
+def suffix_of(format: Format) -> str:
+    """How the names of such files end; empty for a folder."""
+    exporter = EXPORTERS[format]
+    return exporter.suffix if isinstance(exporter, FileExporter) else ""
