@@ -24,6 +24,7 @@ from ao2viz.core.config import (
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.matching import check_env, check_match
+from ao2viz.envs.motion import check_smoothing, last_executed, smooth
 from ao2viz.envs.task import TaskSpec, describe, make_env, settings_for, to_observation
 from ao2viz.recording.episode import Episode
 from ao2viz.recording.growth_log import GrowthLog
@@ -74,6 +75,7 @@ class AO2:
         self._env: gym.Env | None = make_env(env) if isinstance(env, str) else check_env(env)
         self.spec: TaskSpec = describe(self._env, overrides.pop("action_bins", None))
         config = change_config(make_config(kind, settings_for(self.spec, kind)), overrides)
+        check_smoothing(self.spec, config.action_smoothing)
         self._setup(config, _to_seed(seed))
 
     def _setup(self, config: Config, seed: int) -> None:
@@ -205,37 +207,48 @@ class AO2:
 
         Args:
             observation: One of shape [D], or a batch [n, D] as vectorised environments give.
-            state: Comes back unchanged; AO2 has none.
-            episode_start: Not needed.
+            state: With `action_smoothing`, what the call before returned, as with the recurrent
+                policies of stable-baselines3; `None` begins episodes. Otherwise AO2 has no state,
+                and whatever is given comes back unchanged.
+            episode_start: With `action_smoothing`, whether an episode begins with this
+                observation; for a batch one truth a row. Then what was executed before is
+                forgotten.
             deterministic: Accepted for compatibility; AO2 always answers with the action it
                 expects the most of.
 
         Returns:
             What `env.step` wants for one observation; for a batch an array with one action a
-            row. And `state`.
+            row. And the `state` for the next call: what is executed now, [dims] or [n, dims].
+
+        Raises:
+            ValueError: If observation or state do not fit.
         """
-        del episode_start, deterministic
-        if np.ndim(observation) != 2:
-            observed = to_observation(observation, self.spec)
-            return self.spec.to_env_action(self._learner.act_at(observed)), state
-        chosen = [
-            self.spec.to_env_action(self._learner.act_at(to_observation(row, self.spec)))
-            for row in observation
-        ]
-        return np.array(chosen), state
+        del deterministic
+        is_batch = np.ndim(observation) == 2
+        rows = observation if is_batch else [observation]
+        chosen = [self._learner.act_at(to_observation(row, self.spec)) for row in rows]
+        if self.config.action_smoothing == 1.0:
+            actions = [self.spec.to_env_action(action) for action in chosen]
+            return (np.array(actions) if is_batch else actions[0]), state
+        last = last_executed(self.spec, state, episode_start, len(chosen))
+        executed = np.array(
+            [
+                smooth(self.spec, action, before, self.config.action_smoothing)
+                for action, before in zip(chosen, last, strict=True)
+            ]
+        )
+        executed = executed if is_batch else executed[0]
+        return executed.astype(np.float32), executed
 
     def evaluate(self, episodes: int = 100, seed: int = 0) -> NDArray[np.float64]:
         """The return of each of so many greedy episodes; learns nothing.
 
         Episode i starts from `evaluation_seed(seed, i)`, which training never draws.
         """
-        return np.array(
-            [
-                play(self.env, self.spec, self._learner.act_at, evaluation_seed(seed, i))
-                for i in range(episodes)
-            ],
-            np.float64,
-        )
+        act, smoothing = self._learner.act_at, self.config.action_smoothing
+        seeds = [evaluation_seed(seed, i) for i in range(episodes)]
+        returns = [play(self.env, self.spec, act, each, smoothing) for each in seeds]
+        return np.array(returns, np.float64)
 
     def record_episode(self, seed: int) -> Episode:
         """Plays one greedy episode with every decision, and adds it to `episodes`.

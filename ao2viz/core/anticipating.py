@@ -19,6 +19,7 @@ from ao2viz.core.experience import record
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
 from ao2viz.core.imagination import rules_of
+from ao2viz.core.impression import make_impression
 from ao2viz.core.inference import Reading, act, count_ends, decide
 from ao2viz.core.local_linear import make_workspace
 from ao2viz.core.memory import (
@@ -59,6 +60,7 @@ class AnticipatingLearner:
         self._n_ends = count_ends(config.voters, self._n_features)
         self._rules = rules_of(config)
         self._spread = RunningSpread(self._n_features)
+        self._impression = make_impression(self._n_features, config.impression)
         self._grown_at = np.zeros(self._n_features)  # Deviations that attention is measured by.
         self._next_check = config.warmup_steps
         self._waiting: list[Transition] = []  # Warm-up steps not learned from yet.
@@ -165,6 +167,7 @@ class AnticipatingLearner:
         memory = Memory(self._forest, self._experience, self._imagination)
         return {
             **memory_to_arrays(memory),
+            **({} if self._impression is None else self._impression.get_state()),
             "spread": self._spread.moments.copy(),
             "grown_at": self._grown_at.copy(),
             "waiting": np.array([step.to_row() for step in self._waiting]).reshape(
@@ -186,6 +189,8 @@ class AnticipatingLearner:
             raise ValueError("Expected a next check after step 0, and finite numbers.")
         if len(waiting) >= self.config.warmup_steps or ((tried < 0) | (tried >= a)).any():
             raise ValueError(f"Expected fewer waiting steps than the warm-up's, actions below {a}.")
+        if self._impression is not None:
+            self._impression.set_state(state)
         self._forget_episode()
         self._forest, self._experience, self._imagination = memory
         self.n_steps, self._next_check = int(counters[0]), int(counters[1])
@@ -267,6 +272,9 @@ class AnticipatingLearner:
     def _learn(self, step: Transition, events: list[GrowthEvent]) -> None:
         """Records a step, finds where it led, and thinks; `_here` moves on."""
         forest, option = self._forest, self._here
+        if self._impression is not None:
+            gap = step.before - forest.columns.values[option]
+            self._impression.move(self._spread_attention() * gap, step.reward)
         record(
             forest.columns.visits,
             self._experience,
@@ -317,8 +325,7 @@ class AnticipatingLearner:
     def _wake(self, events: list[GrowthEvent]) -> None:
         """Ends the warm-up: sets the attention, then learns from the steps that waited."""
         self._grown_at = self._spread.deviation
-        attention = attention_from(self._grown_at, self.config.attention_width)
-        events.append(self._forest.set_attention(attention, self.n_steps))
+        events.append(self._forest.set_attention(self._spread_attention(), self.n_steps))
         waiting, self._waiting = self._waiting, []
         for step in waiting:
             if self._here == NO_OPTION:
@@ -328,6 +335,10 @@ class AnticipatingLearner:
                 self._forget_episode()
         self._next_check = 2 * self.config.warmup_steps
 
+    def _spread_attention(self) -> NDArray[np.float64]:
+        """[D] attention by how much the features varied when it was last looked at."""
+        return attention_from(self._grown_at, self.config.attention_width)
+
     def _check_attention(self, events: list[GrowthEvent]) -> None:
         """Regrows the forest if attention has become too narrow, or looks past what matters."""
         while self._next_check <= self.n_steps:
@@ -336,10 +347,12 @@ class AnticipatingLearner:
         deviation = self._spread.deviation
         if (deviation > growth * self._grown_at).any():
             self._grown_at = np.maximum(deviation, self._grown_at)
-        attention = attention_from(self._grown_at, self.config.attention_width)
+        attention = self._spread_attention()
         if self.config.attention_relevance > 0.0:
             relevance = find_relevance(self._forest, self._imagination.steps, attention)
             attention *= relevance**self.config.attention_relevance
+        if self._impression is not None:
+            attention *= self._impression.factors
         if not has_changed(self._forest.attention, attention, growth):
             return
         events += regrow(

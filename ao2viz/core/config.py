@@ -55,6 +55,9 @@ class AnticipatingConfig:
     sleep_sweeps: int = 300  # The most sweeps over all options when `learn` ends.
     think_ahead: int = 0  # Steps of action sequences imagined for each decision; 0: none.
     think_limit: int = 0  # Milliseconds of that for each decision; 0: as long as it takes.
+    action_smoothing: float = 1.0  # Share of the chosen action in what is executed, in (0, 1].
+    impression: float = 0.0  # How far each step shifts attention (the paper's beta); 0: never.
+    max_depth: int = 0  # The most steps from a root down to an option; 0: no limit.
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,9 @@ class PaperConfig:
     epsilon: float = 0.0  # Chance of a random action while learning, in [0, 1].
     voters: int = 16  # The most options that speak in a vote.
     share_ridge: float = 0.1  # Steadies the local linear shares of a vote.
+    action_smoothing: float = 1.0  # Share of the chosen action in what is executed, in (0, 1].
+    impression: float = 0.0  # How far each step shifts attention (the paper's beta); 0: never.
+    max_depth: int = 0  # The most steps from a root down to an option; 0: no limit.
 
 
 Config = AnticipatingConfig | PaperConfig
@@ -109,6 +115,9 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "threshold": (0.0, 1.0),
     "step_size": (1e-9, 1.0),
     "epsilon": (0.0, 1.0),
+    "action_smoothing": (1e-6, 1.0),
+    "impression": (0.0, 1.0),
+    "max_depth": (0, 10_000),
 }
 
 

@@ -22,7 +22,7 @@ class Rules(NamedTuple):
 
     gamma: float
     radius: float  # Of the finest option.
-    levels: int
+    levels: int  # How deep an option may be planted.
     cap: int
     effect_ridge: float
     share_ridge: float
@@ -37,7 +37,7 @@ def rules_of(config: AnticipatingConfig) -> Rules:
     return Rules(
         gamma=config.gamma,
         radius=0.5**config.levels,
-        levels=config.levels,
+        levels=min(config.levels, config.max_depth or config.levels),
         cap=config.experience_cap,
         effect_ridge=config.effect_ridge,
         share_ridge=config.share_ridge,

@@ -14,6 +14,7 @@ from ao2viz.core.config import Credit, PaperConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
+from ao2viz.core.impression import make_impression
 from ao2viz.core.inference import Reading, act, decide
 from ao2viz.core.local_linear import make_workspace
 
@@ -36,7 +37,10 @@ class PaperLearner:
         self.n_steps = 0
         self._rng = rng
         self._n_actions = n_actions
-        self._forest = Forest(len(ranges), n_actions, 1.0 / (len(ranges) * ranges))
+        self._per_range = 1.0 / ranges
+        self._attention = self._per_range / len(ranges)  # Before any impression.
+        self._impression = make_impression(len(ranges), config.impression)
+        self._forest = Forest(len(ranges), n_actions, self._attention)
         self._work = make_workspace(config.voters, len(ranges), n_actions)
         self._observation = np.zeros(len(ranges))
         self._forget_episode()
@@ -47,7 +51,11 @@ class PaperLearner:
         self._observation = observation
         if self._forest.n_rows == 0:
             return (self._forest.add(observation, NO_OPTION, self.n_steps),)
-        return ()
+        if self._impression is None:
+            return ()
+        # Once an episode: every change of attention makes the index of all options anew.
+        attention = self._attention * self._impression.factors
+        return (self._forest.set_attention(attention, self.n_steps),)
 
     def decide(self, explore: bool = True) -> Decision:
         """Decides for the latest observation; see `Learner`."""
@@ -74,6 +82,9 @@ class PaperLearner:
         if self.config.failure_only:
             reward = -1.0 if terminated else 0.0
         self._trace.append((selected, decision.action, reward))
+        if self._impression is not None:
+            gap = decision.observation - self._forest.columns.values[selected]
+            self._impression.move(self._per_range * gap, reward)
         events = self._accommodate(decision, selected)
         self._observation = observation
         self._assimilate(reward, ended=terminated or truncated, terminated=terminated)
@@ -108,13 +119,18 @@ class PaperLearner:
 
     def get_state(self) -> Arrays:
         """Copies of everything needed to continue; see `Learner`."""
-        return {**self._forest.get_state(), "counters": np.array([self.n_steps], np.int64)}
+        impression = {} if self._impression is None else self._impression.get_state()
+        counters = np.array([self.n_steps], np.int64)
+        return {**self._forest.get_state(), **impression, "counters": counters}
 
     def set_state(self, state: Arrays) -> None:
         """Takes over what `get_state` gave; see `Learner`."""
-        forest = Forest(self._forest.n_features, self._n_actions, self._forest.attention)
+        forest = Forest(self._forest.n_features, self._n_actions, self._attention)
         forest.set_state(state)
-        self.n_steps = int(take_array(state, "counters", (1,), np.int64)[0])
+        n_steps = int(take_array(state, "counters", (1,), np.int64)[0])
+        if self._impression is not None:
+            self._impression.set_state(state)
+        self.n_steps = n_steps
         self._forest = forest
         self._forget_episode()
 
@@ -130,9 +146,16 @@ class PaperLearner:
         return 1.0 - decision.distance <= self.config.threshold
 
     def _accommodate(self, decision: Decision, selected: int) -> tuple[GrowthEvent, ...]:
-        """Algorithm 2: a child for the selected option, if that is not similar enough."""
+        """Algorithm 2: a child for the selected option, if that is not similar enough.
+
+        Where that would be too deep, the child goes to the nearest ancestor that may have it.
+        """
         if not self._deserves_option(decision):
             return ()
+        if self.config.max_depth > 0:
+            columns = self._forest.columns
+            while columns.depths[selected] >= self.config.max_depth:
+                selected = int(columns.parents[selected])
         return (self._forest.add(decision.observation, selected, self.n_steps),)
 
     def _assimilate(self, reward: float, ended: bool, terminated: bool) -> None:

@@ -124,6 +124,7 @@ def _stacks(player: AO2, episodes: int) -> NDArray[np.int64]:
         lengths.append(len(decision.path))
         return decision.action
 
+    smoothing = player.config.action_smoothing
     for episode in range(episodes):
-        play(player.env, player.spec, act, evaluation_seed(0, episode))
+        play(player.env, player.spec, act, evaluation_seed(0, episode), smoothing)
     return np.array(lengths, np.int64)

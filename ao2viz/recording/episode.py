@@ -13,20 +13,22 @@ from ao2viz.core.decision import DecideBy, Decision, Plan
 class Episode:
     """Seed, actions and decisions of one episode, from reset to its last step.
 
-    Resetting the environment with `seed` and repeating `actions` gives it again, bit for bit.
+    Resetting the environment with `seed` and repeating `actions`, smoothed as they were, gives it
+    again, bit for bit.
     `T` counts steps; there is one decision a step and one observation more.
     """
 
     env_id: str
     seed: int  # What the environment was reset with.
     observations: NDArray[np.float64]  # [T + 1, D]
-    actions: NDArray[np.int64]  # [T] indices of primitive actions.
+    actions: NDArray[np.int64]  # [T] indices of the primitive actions that were chosen.
     rewards: NDArray[np.float64]  # [T]
     decisions: tuple[Decision, ...]  # [T]
     terminated: bool  # The task itself ended (goal or failure).
     truncated: bool  # A time limit cut it off; both False: still under way.
     started_at: int = 0  # The agent's step count when the episode began.
     is_training: bool = False  # Recorded while learning (explores), not greedily.
+    action_smoothing: float = 1.0  # The agent's setting: how actions became what was executed.
 
     def __len__(self) -> int:
         """Steps taken."""

@@ -68,7 +68,11 @@ def episode_to_arrays(episode: Episode, spec: TaskSpec) -> dict[str, NDArray]:
 
 
 def episode_from_arrays(
-    header: EpisodeHeader, arrays: Mapping[str, NDArray], spec: TaskSpec, n_rows: int
+    header: EpisodeHeader,
+    arrays: Mapping[str, NDArray],
+    spec: TaskSpec,
+    n_rows: int,
+    action_smoothing: float,
 ) -> Episode:
     """The episode that `episode_to_arrays` took apart.
 
@@ -77,6 +81,7 @@ def episode_from_arrays(
         arrays: Its arrays.
         spec: The agent's task.
         n_rows: Options ever made; no decision may name another.
+        action_smoothing: The agent's setting.
 
     Raises:
         AgentFileError: If anything does not fit anything else.
@@ -131,6 +136,7 @@ def episode_from_arrays(
         truncated=header.truncated,
         started_at=header.started_at,
         is_training=header.is_training,
+        action_smoothing=action_smoothing,
     )
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.config import make_config
+from ao2viz.envs.motion import check_smoothing
 from ao2viz.recording.growth_log import GrowthLog
 from ao2viz.store.archive import ArchiveReader, ArchiveWriter
 from ao2viz.store.episodes import episode_from_arrays, episode_to_arrays
@@ -166,8 +167,15 @@ def _assemble(manifest: Manifest, arrays: Mapping[str, NDArray]) -> SavedAgent:
     folders = {name.split("/")[1] for name in arrays if name.startswith("episodes/")}
     if folders != {str(i) for i in range(len(manifest.episodes))}:
         raise AgentFileError("Expected arrays for exactly the recorded episodes.")
+    smoothing = saved.config.action_smoothing
+    try:
+        check_smoothing(manifest.spec, smoothing)
+    except ValueError as error:
+        raise AgentFileError(f"A setting does not fit: {error}") from error
     episodes = tuple(
-        episode_from_arrays(header, _folder(arrays, f"episodes/{i}/"), manifest.spec, n_rows)
+        episode_from_arrays(
+            header, _folder(arrays, f"episodes/{i}/"), manifest.spec, n_rows, smoothing
+        )
         for i, header in enumerate(manifest.episodes)
     )
     return dataclasses.replace(saved, episodes=episodes)

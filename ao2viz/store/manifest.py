@@ -40,9 +40,10 @@ def _forget_splitting(manifest: Json) -> Json:
 
 
 # Settings that a file may lack: an agent without them did what these say.
+_BEHAVIOUR = {"action_smoothing": 1.0, "impression": 0.0, "max_depth": 0}
 _IF_LACKING: Mapping[Preset, Json] = {
-    Preset.ANTICIPATING: {"think_ahead": 0, "think_limit": 0},
-    Preset.PAPER: {},
+    Preset.ANTICIPATING: {"think_ahead": 0, "think_limit": 0, **_BEHAVIOUR},
+    Preset.PAPER: _BEHAVIOUR,
 }
 
 UPGRADES: Mapping[int, Callable[[Json], Json]] = {1: _forget_splitting}
@@ -272,11 +273,17 @@ def _settings(preset: Preset, settings: Json) -> Json:
             fields.check_text(name, value)
         elif type(value) is int:
             fields.whole(name, least=-_MAX_INT)
+    known = config_to_dict(make_config(preset, {})).keys()
+    if unknown := [name for name in settings if name not in known]:
+        raise AgentFileError(
+            f"A setting does not fit: There is no setting {quote(unknown[0])} in the "
+            f"{preset.value} preset."
+        )
     try:
-        config = make_config(preset, settings)
+        make_config(preset, settings)
     except ValueError as error:
         raise AgentFileError(f"A setting does not fit: {error}") from error
-    if lacking := config_to_dict(config).keys() - settings.keys():
+    if lacking := known - settings.keys():
         raise AgentFileError(f"Expected all settings, but {sorted(lacking)[0]!r} is missing.")
     return settings
 

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from ao2viz.core.decision import Decision
 from ao2viz.core.growth import GrowthEvent, GrowthKind
 from ao2viz.core.learner import Learner
+from ao2viz.envs.motion import Motion
 from ao2viz.envs.task import TaskSpec, to_observation
 from ao2viz.recording.episode import Episode
 from ao2viz.recording.growth_log import GrowthLog
@@ -47,14 +48,14 @@ def reset(env: gym.Env, spec: TaskSpec, seed: int) -> NDArray[np.float64]:
 
 
 def step(
-    env: gym.Env, spec: TaskSpec, action: int
+    env: gym.Env, spec: TaskSpec, motion: Motion, action: int
 ) -> tuple[NDArray[np.float64], float, bool, bool]:
-    """Takes one step: checked observation, reward, terminated, truncated.
+    """Takes one step with a chosen action: checked observation, reward, terminated, truncated.
 
     Raises:
         ValueError: If observation or reward are not finite; names what and where.
     """
-    raw, raw_reward, terminated, truncated, _ = env.step(spec.to_env_action(action))
+    raw, raw_reward, terminated, truncated, _ = env.step(motion.execute(action))
     observation = to_observation(raw, spec)
     try:
         reward = float(raw_reward)
@@ -69,12 +70,20 @@ def step(
 
 
 def play(
-    env: gym.Env, spec: TaskSpec, act: Callable[[NDArray[np.float64]], int], seed: int
+    env: gym.Env,
+    spec: TaskSpec,
+    act: Callable[[NDArray[np.float64]], int],
+    seed: int,
+    smoothing: float,
 ) -> float:
-    """Plays one episode without recording it; gives the undiscounted sum of rewards."""
+    """Plays one episode without recording it; gives the undiscounted sum of rewards.
+
+    `smoothing` is the agent's setting `action_smoothing`.
+    """
+    motion = Motion(spec, smoothing)
     observation, total = reset(env, spec, seed), 0.0
     while True:
-        observation, reward, terminated, truncated = step(env, spec, act(observation))
+        observation, reward, terminated, truncated = step(env, spec, motion, act(observation))
         total += reward
         if terminated or truncated:
             return total
@@ -132,6 +141,7 @@ class Stepper:
         self._learner = learner
         self._next_seed = next_seed
         self._learns = learns
+        self._motion = Motion(spec, learner.config.action_smoothing)
         self._history = history
         self._growth = growth
         self._n_options = len(learner.view())
@@ -166,7 +176,9 @@ class Stepper:
         learner = self._learner
         before = self._observations[-1]
         decision = learner.decide() if self._learns else learner.decide_at(before)
-        observation, reward, terminated, truncated = step(self._env, self._spec, decision.action)
+        observation, reward, terminated, truncated = step(
+            self._env, self._spec, self._motion, decision.action
+        )
         if self._learns:
             learned = learner.observe(decision, reward, observation, terminated, truncated)
             self._note(learned)
@@ -193,10 +205,12 @@ class Stepper:
             truncated=self._last.truncated,
             started_at=self._started_at,
             is_training=self._learns,
+            action_smoothing=self._learner.config.action_smoothing,
         )
 
     def _reset(self) -> tuple[GrowthEvent, ...]:
         self._forget(self._next_seed())
+        self._motion.begin()
         observation = reset(self._env, self._spec, self._seed)
         self._observations.append(observation)
         if not self._learns:

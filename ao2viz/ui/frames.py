@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from ao2viz.envs.motion import Motion
 from ao2viz.envs.task import TaskSpec, make_env
 from ao2viz.recording.episode import Episode
 from ao2viz.training.loop import reset, step
@@ -118,10 +119,11 @@ def _replay(reel: _Reel, spec: TaskSpec) -> Any:
     try:
         if env.render_mode != "rgb_array":
             raise ValueError(f"{episode.env_id} cannot draw itself.")
+        motion = Motion(spec, episode.action_smoothing)
         observation = reset(env, spec, episode.seed)
         for t in range(len(episode) + 1):
             if t > 0:
-                observation = step(env, spec, int(episode.actions[t - 1]))[0]
+                observation = step(env, spec, motion, int(episode.actions[t - 1]))[0]
             if not np.allclose(observation, episode.observations[t], rtol=1e-6, atol=1e-9):
                 raise ValueError(
                     f"{episode.env_id} no longer repeats this recording: step {t} came out "

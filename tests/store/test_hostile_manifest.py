@@ -29,6 +29,9 @@ from tests.store.hostile import refuse
         ("settings.gamma", "__import__('os')", "gamma to be a finite number"),
         ("settings.extra", 1, "no setting 'extra'"),
         ("settings.levels", 10**90, "'levels' in the settings"),
+        ("settings.action_smoothing", 0.5, "A setting does not fit: .* actions are discrete"),
+        ("settings.impression", -0.1, "impression between 0 and 1"),
+        ("settings.max_depth", 1.5, "max_depth to be a whole number"),
         ("settings.credit", "x" * 5000, "'credit' in the settings"),
         ("task", [], "'task' in the manifest to be an object"),
         ("task.env_id", "os:path", "plain id, but got 'os:path'"),
@@ -85,8 +88,9 @@ def test_manifest_fields_that_cannot_be(parts, tmp_path, path, value, words):
 def test_every_manifest_field_is_needed(parts, tmp_path):
     for holder in (parts.manifest, parts.manifest["task"], parts.manifest["generator"],
                    parts.manifest["settings"], parts.manifest["episodes"][0]):  # fmt: skip
-        # An agent whose file says nothing of thinking ahead did none.
-        for name in sorted(holder.keys() - {"think_ahead", "think_limit"}):
+        # An agent whose file says nothing of these did without.
+        newer = {"think_ahead", "think_limit", "action_smoothing", "impression", "max_depth"}
+        for name in sorted(holder.keys() - newer):
             value = holder.pop(name)
             refuse(parts.write(tmp_path / "a.ao2"), name if name != "format" else "None")
             holder[name] = value

@@ -12,7 +12,8 @@ def format_1(parts, tmp_path):
     manifest = parts.manifest
     manifest["format_version"] = 1
     manifest["settings"] |= {"split_distance": 0.2, "voters": 16}
-    del manifest["settings"]["think_ahead"], manifest["settings"]["think_limit"]
+    for name in ("think_ahead", "think_limit", "action_smoothing", "impression", "max_depth"):
+        del manifest["settings"][name]
     for name in [name for name in parts.members if name.endswith("decisions/slopes.npy")]:
         parts.remove(name)
     for name, padding in (("end_ids", -1), ("end_shares", 0)):
@@ -45,6 +46,17 @@ def test_its_agent_did_not_think_ahead_and_can(format_1, tmp_path):
     assert old.decide([0.0, 0.1, 0.0, 0.1]).plan is not None
     old.save(tmp_path / "new.ao2")
     assert vars(AO2.load(tmp_path / "new.ao2").config)["think_ahead"] == 2
+
+
+def test_its_agent_had_none_of_the_behaviour_settings(format_1):
+    old = AO2.load(format_1)
+    settings = vars(old.config)
+    assert (settings["action_smoothing"], settings["impression"], settings["max_depth"]) == (
+        1,
+        0,
+        0,
+    )
+    assert all(episode.action_smoothing == 1.0 for episode in old.episodes)
 
 
 def test_it_learns_on_and_is_saved_in_todays_format(format_1, tmp_path):
