@@ -26,6 +26,7 @@ from ao2viz.core.forest import ForestView
 from ao2viz.envs.matching import check_env, check_match
 from ao2viz.envs.motion import check_smoothing, last_executed, smooth
 from ao2viz.envs.task import TaskSpec, describe, make_env, settings_for, to_observation
+from ao2viz.explanations import Explainer
 from ao2viz.recording.episode import Episode
 from ao2viz.recording.growth_log import GrowthLog
 from ao2viz.recording.history import History
@@ -118,6 +119,11 @@ class AO2:
     def forest(self) -> ForestView:
         """A frozen copy of its options; see `ForestView`."""
         return self._learner.view()
+
+    @property
+    def explain(self) -> Explainer:
+        """What answers questions about its decisions, as it is now; see `Explainer`."""
+        return Explainer(self)
 
     def learn(
         self,

@@ -21,6 +21,7 @@ LAYERS = {
     "store": 2,
     "explain": 2,
     "agent": 3,
+    "explanations": 3,
     "experiments": 4,
     "figures": 4,
     "exports": 5,
@@ -34,6 +35,8 @@ ALLOWED = {
     ("recording", "envs"): "An episode names the features and actions of its task.",
     ("training", "store"): "The worker saves and resumes.",
     ("training", "agent"): "The worker owns an AO2; the runners are built on it.",
+    ("agent", "explanations"): "`agent.explain` is what answers.",
+    ("explanations", "agent"): "It explains an AO2.",
     ("agent", "training"): "AO2.learn is the loop of `training.loop`.",
 }
 # Every heavy library has one home; `numpy` is at home everywhere.

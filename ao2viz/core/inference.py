@@ -191,6 +191,11 @@ def count_ends(voters: int, n_features: int) -> int:
     return min(voters, _TO_IMAGINE * (n_features + 1) + 1)
 
 
+def count_speakers(voters: int, n_features: int) -> int:
+    """The most options that a vote or an outlook rests on; the last one only marks the width."""
+    return min(voters, _TO_DECIDE * (n_features + 1) + 1)
+
+
 class Reading(NamedTuple):
     """How a forest is read to decide."""
 
@@ -205,12 +210,12 @@ def choose_action(
     """The action expected to earn the most, and whether several were.
 
     The paper settles ties at random. So that the same observation always gets the same action,
-    the toss is taken from the observation's own bits.
+    the toss is taken from the observation's own bits, those of −0 taken for those of 0.
     """
     tied = np.flatnonzero(action_values == action_values.max())
     if len(tied) == 1:
         return int(tied[0]), False
-    return int(tied[crc32(observation.tobytes()) % len(tied)]), True
+    return int(tied[crc32((observation + 0.0).tobytes()) % len(tied)]), True
 
 
 def act(forest: Forest, observation: NDArray[np.float64], reading: Reading, work: Workspace) -> int:

@@ -13,7 +13,7 @@ from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.catalogue import Feature
 from ao2viz.envs.task import TaskSpec
-from ao2viz.explain.words import amount, count, number, pair, percent
+from ao2viz.explain.words import amount, capitalised, count, number, pair, percent
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,9 @@ def _main_clause(decision: Decision, spec: TaskSpec) -> str:
         if chosen == best:
             return f"{text}; it also was expected to earn the most, {number(values[best])}."
         low, high = pair(float(values[chosen]), float(values[best]))
-        return f"{text}. {_cap(names[best])} was expected to earn more: {high} against {low}."
+        return (
+            f"{text}. {capitalised(names[best])} was expected to earn more: {high} against {low}."
+        )
     if decision.is_tie:
         tied = [names[i] for i in np.flatnonzero(values == values[best])]
         tie = f"A tie: {_listed(tied)} were expected to earn exactly {number(values[best])}."
@@ -245,7 +247,3 @@ def _is_close(decision: Decision) -> bool:
 
 def _listed(names: list[str]) -> str:
     return names[0] if len(names) == 1 else f"{', '.join(names[:-1])} and {names[-1]}"
-
-
-def _cap(text: str) -> str:
-    return text[:1].upper() + text[1:]

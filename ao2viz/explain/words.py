@@ -20,6 +20,11 @@ def number(value: float, digits: int = 3) -> str:
     return "0" if float(text) == 0 and value == 0 else text.replace("-", "−")
 
 
+def signed(value: float) -> str:
+    """A number that is added: "+1.50", "−0.200"."""
+    return number(value) if value < 0 else f"+{number(value)}"
+
+
 def pair(one: float, other: float) -> tuple[str, str]:
     """Two numbers to be compared, with enough digits to tell them apart where they differ."""
     for digits in (3, 4, 5, 6):
@@ -62,3 +67,8 @@ def say_outcome(episode: Episode) -> str:
     elif episode.truncated:
         ending = "cut off by the time limit"
     return f"return {episode.total_reward:.6g} in {len(episode):,} steps, {ending}"
+
+
+def capitalised(text: str) -> str:
+    """A sentence's first letter as a capital, the rest as it is."""
+    return text[:1].upper() + text[1:]

@@ -135,3 +135,15 @@ def test_acting_gives_the_action_of_the_decision():
         for decide_by in DecideBy:
             reading = Reading(decide_by, 0.02, has_outlook=True)
             assert act(forest, place, reading, work) == decide(forest, place, reading, work).action
+
+
+def test_a_toss_falls_alike_for_zero_with_either_sign():
+    forest = Forest(2, 64, np.ones(2))
+    forest.add(np.zeros(2), -1, 0)
+    reading, work = Reading(DecideBy.PATH, RIDGE, True), make_workspace(32, 2, 64)
+    actions = {
+        decide(forest, np.array([x, y]), reading, work).action
+        for x in (0.0, -0.0)
+        for y in (0.0, -0.0)
+    }
+    assert len(actions) == 1

@@ -1,0 +1,20 @@
+"""Any explanation in plain sentences, by its kind."""
+
+from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.contrast import WhyNot, tell_why_not
+from ao2viz.explain.flips import Flips, tell_flips
+from ao2viz.explain.why import Why, tell_why
+
+Told = Why | WhyNot | Flips
+"""Every kind of explanation."""
+
+
+def tell(told: Told, spec: TaskSpec) -> tuple[str, ...]:
+    """The explanation in sentences, a line each."""
+    match told:
+        case Why():
+            return tell_why(told, spec)
+        case WhyNot():
+            return (tell_why_not(told, spec),)
+        case Flips():
+            return tell_flips(told, spec)

@@ -1,0 +1,91 @@
+"""`agent.explain`: everything that can be asked of an agent about its decisions."""
+
+from typing import TYPE_CHECKING
+
+from numpy.typing import ArrayLike
+
+from ao2viz.core.decision import Decision
+from ao2viz.core.mind import Mind
+from ao2viz.envs.ranges import Ranges, ranges_of, unlimited
+from ao2viz.envs.task import TaskSpec, to_observation
+from ao2viz.explain.contrast import WhyNot, explain_why_not
+from ao2viz.explain.flips import Flips, explain_flips
+from ao2viz.explain.telling import Told, tell
+from ao2viz.explain.why import Why, explain_why
+
+if TYPE_CHECKING:
+    from ao2viz.agent import AO2
+
+Situation = ArrayLike | Decision
+"""What is asked about: an observation [D], or a recorded decision."""
+
+
+class Explainer:
+    """Explains an agent as it was when this was made; what it learns later changes nothing here.
+
+    ```python
+    explain = agent.explain
+    why = explain.why([0.0, 0.0, 0.05, 0.0])
+    print(explain.tell(why))
+    ```
+
+    What is asked about is an observation, or a decision out of a recorded episode. Such a decision
+    is explained as it was made; what *would* be is asked of the agent as it is.
+    """
+
+    def __init__(self, agent: "AO2") -> None:
+        self._agent = agent
+        self.spec: TaskSpec = agent.spec
+        self.mind = Mind(agent.config, agent.to_saved().state)
+
+    def why(self, situation: Situation) -> Why:
+        """Why this action: path, distances, expectations and what they are made of."""
+        return explain_why(self._decision(situation), self.spec, self.mind.view)
+
+    def why_not(self, situation: Situation, action: int | str) -> WhyNot:
+        """Why not that action, given by its index or its name.
+
+        Raises:
+            ValueError: If there is no such action, or it is the chosen one.
+        """
+        decision = self._decision(situation)
+        return explain_why_not(decision, self.action(action), self.mind.view)
+
+    def flips(self, situation: Situation) -> Flips:
+        """What would flip it: for each feature the nearest flips, and a certified radius."""
+        decision = self._decision(situation)
+        return explain_flips(self.mind, decision, self.ranges)
+
+    def tell(self, told: Told) -> str:
+        """Any explanation from here in plain sentences, a line each."""
+        return "\n".join(tell(told, self.spec))
+
+    @property
+    def ranges(self) -> Ranges:
+        """The observations that the environment allows; all, where it cannot be made here."""
+        try:
+            return ranges_of(self._agent.env)
+        except ValueError:
+            return unlimited(self.spec.n_features)
+
+    def action(self, action: int | str) -> int:
+        """An action's index, from its index or its name.
+
+        Raises:
+            ValueError: If there is none; says which there are.
+        """
+        names = self.spec.action_names
+        if isinstance(action, str):
+            if action in names:
+                return names.index(action)
+        elif 0 <= action < len(names):
+            return int(action)
+        raise ValueError(
+            f"Expected an action of {self.spec.env_id}, but got {action!r}. There are: "
+            f"{', '.join(f'{i} ({name})' for i, name in enumerate(names))}."
+        )
+
+    def _decision(self, situation: Situation) -> Decision:
+        if isinstance(situation, Decision):
+            return situation
+        return self.mind.decide(to_observation(situation, self.spec))
