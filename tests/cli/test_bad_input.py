@@ -24,6 +24,10 @@ WRONG = {
     "unknown setting": (["train", "CartPole-v1", "--set", "lvels=3"], "Did you mean 'levels'"),
     "setting out of range": (["train", "CartPole-v1", "--set", "levels=99"], "between 0 and 12"),
     "setting of a wrong kind": (["train", "CartPole-v1", "--set", "levels=x"], "levels"),
+    "discrete actions to smooth": (
+        ["train", "CartPole-v1", "--set", "action_smoothing=0.9"],
+        "mean",
+    ),
     "setting without value": (["train", "CartPole-v1", "--set", "levels"], "NAME=VALUE"),
     "setting that is an option": (["train", "CartPole-v1", "--set", "seed=1"], "--seed"),
     "wrong suffix": (["train", "CartPole-v1", "--out", "agent.zip"], ".ao2"),

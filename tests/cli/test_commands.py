@@ -25,7 +25,8 @@ def test_train_saves_an_agent_that_python_can_load(cli: Cli, tmp_path: Path) -> 
     done = cli(
         "train", "Pendulum-v1", "--steps", "700", "--preset", "paper", "--seed", "5",
         "--out", "deep/er/agent.ao2", "--set", "threshold=0.95", "--set", "decide_by=vote",
-        "--set", "action_bins=3",
+        "--set", "action_bins=3", "--set", "action_smoothing=0.9", "--set", "impression=0.04",
+        "--set", "max_depth=1",
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert "Saved to deep/er/agent.ao2" in done.stdout
@@ -36,6 +37,11 @@ def test_train_saves_an_agent_that_python_can_load(cli: Cli, tmp_path: Path) -> 
     assert agent.config.decide_by is ao2viz.DecideBy.VOTE
     assert agent.spec.n_actions == 3
     assert vars(agent.config)["threshold"] == 0.95
+    text = cli("info", "deep/er/agent.ao2").stdout
+    assert "action_smoothing 0.9, impression 0.04, max_depth 1" in text
+    recorded = cli("record", "deep/er/agent.ao2", "--seed", "3")
+    assert recorded.returncode == 0, recorded.stderr
+    assert ao2viz.AO2.load(tmp_path / "deep/er/agent.ao2").episodes[0].action_smoothing == 0.9
 
 
 def test_train_without_out_says_where_it_saved(cli: Cli, tmp_path: Path) -> None:

@@ -24,8 +24,10 @@ def quick(env: str, preset: Preset = Preset.ANTICIPATING, **settings: object) ->
         quick("CartPole-v1", **QUICK),
         quick("Pendulum-v1", **QUICK, action_bins=3),
         quick("Acrobot-v1", **QUICK, story_length=40),
+        quick("Pendulum-v1", **QUICK, action_smoothing=0.5, impression=0.1, max_depth=1),
         quick("CartPole-v1", Preset.PAPER),
         quick("Pendulum-v1", Preset.PAPER, decide_by="vote"),
+        quick("Pendulum-v1", Preset.PAPER, action_smoothing=0.5, impression=0.1, max_depth=1),
     ],
     ids=str,
 )
@@ -43,8 +45,12 @@ def test_every_checkpoint_is_as_if_learning_had_ended_there(run: Run) -> None:
         assert one.options == len(agent.forest)
 
 
-def test_the_decision_stack_is_the_path_behind_each_decision() -> None:
-    run = quick("CartPole-v1", **QUICK)
+@pytest.mark.parametrize(
+    "run",
+    [quick("CartPole-v1", **QUICK), quick("Pendulum-v1", **QUICK, action_smoothing=0.5)],
+    ids=str,
+)
+def test_the_decision_stack_is_the_path_behind_each_decision(run: Run) -> None:
     found = {one.decide_by: one for one in measure(run, Schedule((300,), episodes=2))}
     agent = AO2(run.env, run.preset, run.seed, **run.overrides).learn(300)
     agent.set_decide_by("path")
