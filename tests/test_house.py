@@ -48,7 +48,7 @@ HOMES = {
     "networkx": {"explain"},
     "typer": {"cli"},
     "rich": {"cli", "agent"},
-    "PIL": {"training", "ui", "envs"},
+    "PIL": {"training", "figures", "ui", "envs"},
     "torch": set(),
     "stable_baselines3": set(),
     "scipy": {"experiments"},

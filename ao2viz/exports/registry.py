@@ -8,6 +8,12 @@ from typing import IO
 
 from ao2viz.exports.content import Content
 from ao2viz.exports.documents import write_json
+from ao2viz.exports.images import (
+    write_forest_png,
+    write_forest_svg,
+    write_path_png,
+    write_path_svg,
+)
 from ao2viz.exports.pages import write_latex, write_markdown
 from ao2viz.exports.tables import write_parquet, write_paths_csv, write_steps_csv
 
@@ -21,6 +27,10 @@ class Format(Enum):
     PARQUET = "parquet"
     MARKDOWN = "markdown"
     LATEX = "latex"
+    SVG = "svg"
+    PNG = "png"
+    PATH_SVG = "path-svg"
+    PATH_PNG = "path-png"
 
 
 @dataclass(frozen=True)
@@ -55,6 +65,10 @@ EXPORTERS: Mapping[Format, Exporter] = {
     ),
     Format.MARKDOWN: FileExporter(".md", "summary, attention, settings, steps", write_markdown),
     Format.LATEX: FileExporter(".tex", "the steps of an episode as a table", write_latex),
+    Format.SVG: FileExporter(".svg", "the forest, with the path of a step", write_forest_svg),
+    Format.PNG: FileExporter(".png", "the forest, with the path of a step", write_forest_png),
+    Format.PATH_SVG: FileExporter(".svg", "the path of a step, as a stack", write_path_svg),
+    Format.PATH_PNG: FileExporter(".png", "the path of a step, as a stack", write_path_png),
 }
 
 
