@@ -15,6 +15,7 @@ from ao2viz.exports.images import (
     write_path_svg,
 )
 from ao2viz.exports.pages import write_latex, write_markdown
+from ao2viz.exports.report import write_report
 from ao2viz.exports.tables import write_parquet, write_paths_csv, write_steps_csv
 
 
@@ -27,6 +28,7 @@ class Format(Enum):
     PARQUET = "parquet"
     MARKDOWN = "markdown"
     LATEX = "latex"
+    HTML = "html"
     SVG = "svg"
     PNG = "png"
     PATH_SVG = "path-svg"
@@ -65,6 +67,7 @@ EXPORTERS: Mapping[Format, Exporter] = {
     ),
     Format.MARKDOWN: FileExporter(".md", "summary, attention, settings, steps", write_markdown),
     Format.LATEX: FileExporter(".tex", "the steps of an episode as a table", write_latex),
+    Format.HTML: FileExporter(".html", "a page with every step of an episode", write_report),
     Format.SVG: FileExporter(".svg", "the forest, with the path of a step", write_forest_svg),
     Format.PNG: FileExporter(".png", "the forest, with the path of a step", write_forest_png),
     Format.PATH_SVG: FileExporter(".svg", "the path of a step, as a stack", write_path_svg),

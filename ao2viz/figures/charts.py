@@ -66,6 +66,19 @@ def options_figure(history: NDArray[np.float64]) -> go.Figure:
     return figure
 
 
+def margins_figure(margins: NDArray[np.float64]) -> go.Figure:
+    """By how much the chosen action was expected to earn more, over the steps of an episode.
+
+    Args:
+        margins: [T] of the decisions.
+    """
+    figure = _frame("step", "margin")
+    shown = _thin(len(margins))
+    line = {"color": to_hex(ACTIONS[0]), "width": 1.8}
+    figure.add_scatter(x=shown, y=margins[shown], name="margin", mode="lines", line=line)
+    return figure
+
+
 def weights_figure(
     weights: NDArray[np.float64], visits: NDArray[np.int64], spec: TaskSpec
 ) -> go.Figure:

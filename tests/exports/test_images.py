@@ -15,7 +15,8 @@ from ao2viz.figures.palette import action_colors
 from ao2viz.figures.pictures import draw_forest, draw_path
 from ao2viz.figures.raster import text_width, to_image, wrap
 from ao2viz.store.saved import SavedAgent
-from tests.exports.conftest import HOSTILE_ACTIONS, HOSTILE_TITLE, Export
+from tests.exports.agents import HOSTILE_ACTIONS, HOSTILE_TITLE
+from tests.exports.conftest import Export
 from tests.forests import no_options, random_view
 
 SVG = "{http://www.w3.org/2000/svg}"

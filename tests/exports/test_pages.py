@@ -8,7 +8,8 @@ from pylatexenc.latex2text import LatexNodes2Text
 from pylatexenc.latexwalker import LatexWalker
 
 from ao2viz.store.saved import SavedAgent
-from tests.exports.conftest import HOSTILE, HOSTILE_ACTIONS, HOSTILE_TITLE, Export
+from tests.exports.agents import HOSTILE, HOSTILE_ACTIONS, HOSTILE_TITLE
+from tests.exports.conftest import Export
 
 MARKDOWN = MarkdownIt("gfm-like", {"html": True, "linkify": False})
 

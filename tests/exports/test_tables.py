@@ -10,7 +10,8 @@ import pytest
 
 from ao2viz.resources import static
 from ao2viz.store.saved import SavedAgent
-from tests.exports.conftest import HOSTILE_TITLE, Export
+from tests.exports.agents import HOSTILE_TITLE
+from tests.exports.conftest import Export
 
 SCHEMA = json.loads((static() / "export.schema.json").read_text("utf-8"))
 AGENTS = ("cartpole", "pendulum", "hostile")
