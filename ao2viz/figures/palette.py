@@ -21,6 +21,17 @@ PATH: Rgb = (255, 74, 178)
 """The path of a decision; no colouring of options comes near this pink."""
 EDGE: Rgb = (70, 80, 98)
 SELECTED: Rgb = (255, 255, 255)
+IMAGINED: Rgb = (190, 160, 255)
+"""Where the agent expects to go; drawn dashed as well, so the hue need not be told."""
+# From blue over green to yellow, ever brighter: read as light and dark it says the same.
+RAMP: tuple[Rgb, ...] = (
+    (64, 100, 205),
+    (44, 145, 180),
+    (86, 192, 132),
+    (188, 220, 70),
+    (242, 230, 76),
+)
+"""For what is more or less; its darkest end still shows on a dark page."""
 
 
 def action_colors(n_actions: int, *, is_ordered: bool) -> NDArray[np.uint8]:
@@ -37,6 +48,13 @@ def action_colors(n_actions: int, *, is_ordered: bool) -> NDArray[np.uint8]:
     rounds = np.arange(n_actions) // len(ACTIONS)
     hues = np.array(ACTIONS)[np.arange(n_actions) % len(ACTIONS)]
     return (hues * (0.72**rounds)[:, None]).round().astype(np.uint8)
+
+
+def along_ramp(at: NDArray[np.float64]) -> NDArray[np.uint8]:
+    """The colours [..., 3] of RAMP at places from 0 to 1; beyond the ends, those of the ends."""
+    stops = np.linspace(0, 1, len(RAMP))
+    channels = [np.interp(at, stops, channel) for channel in np.array(RAMP, float).T]
+    return np.stack(channels, axis=-1).round().astype(np.uint8)
 
 
 def to_hex(rgb: Rgb | NDArray[np.uint8]) -> str:

@@ -19,6 +19,7 @@ from ao2viz.layout.radial import SPACING, arrange_discs
 _RIM = 1.2  # From the outermost option to the edge of its disc.
 _BETWEEN = 1.6  # From the edge of a disc to the next.
 _REGROWN = 0.25  # Share of the options with new parents.
+_AT_A_TIME = 512  # Discs whose distances to all others are in memory at once.
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +75,17 @@ def has_regrown(before: ForestView, now: ForestView) -> bool:
     return bool(moved.sum() > _REGROWN * both.sum())
 
 
+def has_crowded(layout: Layout) -> bool:
+    """Whether discs have run into one another, for want of room where nothing may move."""
+    for first in range(0, len(layout.roots), _AT_A_TIME):
+        some = slice(first, first + _AT_A_TIME)
+        gaps = np.hypot(*(layout.centres[some, None] - layout.centres[None]).transpose(2, 0, 1))
+        needed = layout.radii[some, None] + layout.radii[None]
+        if np.count_nonzero(gaps < needed) > len(gaps):  # Every disc meets itself.
+            return True
+    return False
+
+
 def schemas_of(view: ForestView) -> NDArray[np.int64]:
     """[N] the root of each option; NO_OPTION once cleansed."""
     schemas = np.where(view.is_alive, np.arange(len(view.parents)), NO_OPTION)
@@ -123,8 +135,15 @@ def _grow(
     children = new[view.parents[new] != NO_OPTION]
     for schema in np.unique(schemas[children]):
         members = children[schemas[children] == schema]
-        if not _grow_schema(view, positions, schemas, int(schema), members, field):
+        others = roots[roots != schema]
+        away = np.hypot(*(positions[others] - positions[schema]).T) - reaches[others]
+        # So far its options may stand without its disc meeting another.
+        within = float(away.min(initial=np.inf)) - 2 * _RIM
+        if not _grow_schema(view, positions, schemas, int(schema), members, field, within):
             return False
+        placed = members[~np.isnan(positions[members, 0])]
+        farthest = np.hypot(*(positions[placed] - positions[schema]).T).max(initial=0)
+        reaches[schema] = max(float(reaches[schema]), float(farthest))
     return True
 
 
@@ -135,6 +154,7 @@ def _grow_schema(
     schema: int,
     members: NDArray[np.int64],
     field: Field,
+    within: float,
 ) -> bool:
     centre = positions[schema].copy()
     old = np.flatnonzero((schemas == schema) & ~np.isnan(positions[:, 0]))
@@ -152,7 +172,7 @@ def _grow_schema(
         parent, depth = int(view.parents[option]), int(view.depths[option])
         ring = total[depth] / count[depth] if count[depth] else None
         ideal = ideal_spot(centre, positions[parent], int(siblings[parent]), depth, ring)
-        while (spot := rings.take_nearest(ideal)) is None:
+        while (spot := rings.take_nearest(ideal, within)) is None:
             if (reach := reach * 1.3) > 3 * field.extent:
                 return False
             rings = Rings(centre, reach, field)

@@ -77,16 +77,27 @@ class Rings:
         number = np.arange(len(radius)) - np.repeat(np.cumsum(counts) - counts, counts)
         turn = (number + 0.5) * 2 * np.pi / np.repeat(counts, counts)
         slots = centre + radius[:, None] * _direction(turn)
-        self._slots = slots[field.is_free(slots)]
+        is_free = field.is_free(slots)
+        self._slots, self._radius = slots[is_free], radius[is_free]
 
-    def take_nearest(self, ideal: NDArray[np.float64]) -> NDArray[np.float64] | None:
-        """Takes the free spot [2] nearest to the ideal one; None when all are taken."""
+    def take_nearest(
+        self, ideal: NDArray[np.float64], within: float = np.inf
+    ) -> NDArray[np.float64] | None:
+        """Takes the free spot [2] nearest to the ideal one; None when all are taken.
+
+        A spot `within` this distance from the root is preferred to any beyond.
+        """
         if len(self._slots) == 0:
             return None
         gaps = self._slots - ideal
-        spot = self._slots[np.argmin(gaps[:, 0] ** 2 + gaps[:, 1] ** 2)]
+        squares = gaps[:, 0] ** 2 + gaps[:, 1] ** 2
+        is_within = self._radius <= within
+        if is_within.any():
+            squares[~is_within] = np.inf
+        spot = self._slots[np.argmin(squares)]
         gaps = self._slots - spot
-        self._slots = self._slots[gaps[:, 0] ** 2 + gaps[:, 1] ** 2 >= SPACING**2]
+        kept = gaps[:, 0] ** 2 + gaps[:, 1] ** 2 >= SPACING**2
+        self._slots, self._radius = self._slots[kept], self._radius[kept]
         return spot
 
 

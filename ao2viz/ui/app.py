@@ -21,9 +21,9 @@ from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.browser import Browser
 from ao2viz.ui.commands import Connect, Disconnect, Select
 from ao2viz.ui.frames import FrameStore
+from ao2viz.ui.gallery import Gallery
 from ao2viz.ui.inbox import Inbox
 from ao2viz.ui.library import Library
-from ao2viz.ui.picture import Gallery
 from ao2viz.ui.reduce import Effect, Notify, PickOption, advance, follow, reduce
 from ao2viz.ui.security import make_server, make_token
 from ao2viz.ui.session import Form, Session
@@ -128,6 +128,7 @@ class Dashboard:
         if self._runner is not None:
             self._runner.close()
         self._frames.close()
+        self._gallery.close()
         self._library.close()
         if self._server is not None:
             with contextlib.redirect_stdout(None):
@@ -169,7 +170,7 @@ class Dashboard:
                 # Handles of a browser that has just gone refuse; its Disconnect is on the way.
                 if self._server is not None and client_id in self._server.get_clients():
                     self._tell_of_bug(error)
-        keys = {b.forest_key for b in self._browsers.values() if b.forest_key is not None}
+        keys = {b.picture_key for b in self._browsers.values() if b.picture_key is not None}
         self._gallery.keep_only(keys)
 
     def _refresh_world(self, now: float) -> None:

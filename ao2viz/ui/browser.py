@@ -3,19 +3,23 @@
 import viser
 
 from ao2viz.core.decision import NO_OPTION
+from ao2viz.ui.camera import Eye
 from ao2viz.ui.frames import FrameStore, refit
+from ao2viz.ui.gallery import Gallery, PictureKey
 from ao2viz.ui.inbox import Inbox, on_canvas_click
-from ao2viz.ui.overlay import Overlay, overlay
+from ao2viz.ui.look import Requests
+from ao2viz.ui.overlay import Moment, Overlay, overlay
 from ao2viz.ui.panels.charts import ChartsPanel
 from ao2viz.ui.panels.control import ControlPanel
+from ao2viz.ui.panels.forest import ForestPanel
 from ao2viz.ui.panels.inspect import InspectPanel
 from ao2viz.ui.panels.legend import LegendPanel
 from ao2viz.ui.panels.watch import WatchPanel
-from ao2viz.ui.picture import Gallery, Picture
+from ao2viz.ui.picture import Picture
 from ao2viz.ui.reduce import Notify
 from ao2viz.ui.scene import Canvas
 from ao2viz.ui.stage import Stage
-from ao2viz.ui.view import ForestKey, View
+from ao2viz.ui.view import View
 
 
 class Browser:
@@ -24,7 +28,7 @@ class Browser:
     def __init__(self, client: viser.ClientHandle, stage: Stage, inbox: Inbox) -> None:
         self._client = client
         gui, me = client.gui, client.client_id
-        self.forest_key: ForestKey | None = None
+        self.picture_key: PictureKey | None = None
         self._picture: Picture | None = None
         self._overlay: tuple[tuple[object, ...], Overlay | None] = ((), None)
         self._raw_frame: bytes | None = None
@@ -34,11 +38,13 @@ class Browser:
                 self._watch = WatchPanel(gui, me, inbox)
             with stage.inspect:
                 self._inspect = InspectPanel(gui, me, inbox)
+            with stage.forest:
+                self._forest = ForestPanel(gui, me, inbox)
             with stage.charts:
                 self._charts = ChartsPanel(gui)
-            with stage.legend:
-                self._legend = LegendPanel(gui, me, inbox)
+            self._legend = LegendPanel(gui, me, inbox)
         self._canvas = Canvas(client)
+        self._eye = Eye(client.camera)
         on_canvas_click(client.scene, me, inbox)
 
     def sync(self, view: View, gallery: Gallery, frames: FrameStore) -> None:
@@ -47,14 +53,17 @@ class Browser:
         self._watch.sync(view, frame, problem)
         self._control.sync(view)
         self._inspect.sync(view)
-        self._legend.sync(view)
-        self.forest_key = None
+        self._forest.sync(view)
+        self.picture_key = None
         self._picture = None
         if view.forest is not None and view.spec is not None:
-            self.forest_key = view.forest_key
-            self._picture = gallery.get(view.forest_key, view.forest, view.spec)
-        self._canvas.sync(self._picture, self._overlay_of(view))
-        self._canvas.aim(view.fits, view.focuses)
+            self.picture_key = (view.forest_key, view.look)
+            self._picture = gallery.get(view.forest_key, view.forest, view.spec, view.look)
+        lens = self._eye.look()
+        self._legend.sync(view, self._picture)
+        self._canvas.sync(self._picture, self._overlay_of(view), lens)
+        requests = Requests(view.fits, view.focuses, view.selection_focuses)
+        self._canvas.aim(requests, self._legend.size, lens)
         self._charts.sync(view)
 
     def pick(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> int:
@@ -82,13 +91,15 @@ class Browser:
         return frames.get(view.episode, view.spec, view.transport.position)
 
     def _overlay_of(self, view: View) -> Overlay | None:
-        inputs = (self._picture, view.decision, view.selected)
-        if len(self._overlay[0]) == 3 and all(
-            a is b for a, b in zip(inputs, self._overlay[0], strict=True)
+        inputs = (self._picture, view.decision, view.selected, view.transport.position)
+        if len(self._overlay[0]) == len(inputs) and all(
+            a is b or (isinstance(a, int) and a == b)
+            for a, b in zip(inputs, self._overlay[0], strict=True)
         ):
             return self._overlay[1]
         drawn = None
-        if self._picture is not None and view.spec is not None:
-            drawn = overlay(view.decision, view.selected, self._picture, view.spec)
+        if self._picture is not None and view.spec is not None and view.forest is not None:
+            moment = Moment(view.decision, view.selected, view.seen)
+            drawn = overlay(moment, self._picture, view.forest, view.spec)
         self._overlay = (inputs, drawn)
         return drawn

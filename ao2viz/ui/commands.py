@@ -5,6 +5,8 @@ from enum import Enum
 from pathlib import Path
 
 from ao2viz.core.decision import DecideBy
+from ao2viz.figures.coloring import Coloring
+from ao2viz.ui.look import Arrangement
 
 
 class Transport(Enum):
@@ -26,6 +28,15 @@ class RunButton(Enum):
     EPISODE = "one episode"
     STOP = "stop"
     SAVE = "save"
+
+
+class Way(Enum):
+    """From an option to one of those around it."""
+
+    PARENT = "its parent"
+    CHILD = "its child that was visited the most"
+    BEFORE = "the sibling before"
+    AFTER = "the sibling after"
 
 
 class Field(Enum):
@@ -90,6 +101,25 @@ class Select:
 
 
 @dataclass(frozen=True)
+class SelectDecided:
+    """Selects the option that decided at this moment."""
+
+
+@dataclass(frozen=True)
+class Walk:
+    """Selects an option around the selected one; the first root if there is none."""
+
+    way: Way
+
+
+@dataclass(frozen=True)
+class FindState:
+    """Selects the option nearest to a typed state: a number for each feature, as people read it."""
+
+    text: str
+
+
+@dataclass(frozen=True)
 class Fit:
     """Shows the whole forest."""
 
@@ -97,6 +127,52 @@ class Fit:
 @dataclass(frozen=True)
 class FocusPath:
     """Moves the camera to the path of the decision that is shown."""
+
+
+@dataclass(frozen=True)
+class FocusSelection:
+    """Moves the camera to the selected option."""
+
+
+@dataclass(frozen=True)
+class ChooseArrangement:
+    """Arranges the options otherwise; None: the next in turn."""
+
+    arrangement: Arrangement | None
+
+
+@dataclass(frozen=True)
+class ChooseColoring:
+    """Lets colours tell something else; None: the next in turn."""
+
+    coloring: Coloring | None
+
+
+@dataclass(frozen=True)
+class ChooseAxis:
+    """Puts a feature on an axis of the state space."""
+
+    place: int  # 0 to 2.
+    feature: int | None  # None: no such axis, which only the third may be.
+
+
+@dataclass(frozen=True)
+class LimitDepth:
+    """Hides options further below their root; None hides none."""
+
+    deepest: int | None
+
+
+@dataclass(frozen=True)
+class Fold:
+    """Shows only the root of the selected option's schema, or all of it again."""
+
+
+@dataclass(frozen=True)
+class FoldAll:
+    """Shows only the roots of all schemas, or everything again."""
+
+    is_folded: bool
 
 
 @dataclass(frozen=True)
@@ -158,8 +234,18 @@ Command = (
     | ChooseEpisode
     | Pick
     | Select
+    | SelectDecided
+    | Walk
+    | FindState
     | Fit
     | FocusPath
+    | FocusSelection
+    | ChooseArrangement
+    | ChooseColoring
+    | ChooseAxis
+    | LimitDepth
+    | Fold
+    | FoldAll
     | TidyUp
     | Edit
     | Press

@@ -41,7 +41,7 @@ def decision(shown: Decision, spec: TaskSpec, view: ForestView | None) -> str:
     """What was done and why."""
     said = explain(shown, spec, view)
     marks = "".join(f'<span class="ao-mark">{esc(m)}</span>' for m in said.marks)
-    color = to_hex(_colors(spec)[shown.action])
+    color = to_hex(colors_of(spec)[shown.action])
     return (
         f'<div class="ao ao-decision"><h3><span class="ao-swatch" style="background:{color}">'
         f"</span>{esc(said.headline)}</h3>{marks}<p>{esc(said.reason)}</p></div>"
@@ -53,7 +53,7 @@ def path(shown: Decision, spec: TaskSpec, view: ForestView | None) -> str:
     steps = path_steps(shown, spec, view)
     if not steps:
         return ""
-    colors = _colors(spec)
+    colors = colors_of(spec)
     items = []
     hidden = len(steps) - _LONGEST_PATH
     for i, step in enumerate(steps):
@@ -133,7 +133,7 @@ def _action_bars(chosen: int, view: ForestView, spec: TaskSpec) -> str:
     low, high = float(weights.min()), float(weights.max())
     best = int(view.best_actions[chosen])
     bars = []
-    for i, color in enumerate(_colors(spec)):
+    for i, color in enumerate(colors_of(spec)):
         # Bars compare the actions: the worst still shows a little, the best fills the row.
         width = 100.0 if high == low else 8 + 92 * (float(weights[i]) - low) / (high - low)
         is_best = i == best and visits.any()
@@ -146,31 +146,6 @@ def _action_bars(chosen: int, view: ForestView, spec: TaskSpec) -> str:
             "</span></span>"
         )
     return "".join(bars)
-
-
-def legend(spec: TaskSpec | None, view: ForestView | None) -> str:
-    """What the colours, sizes and lines of the canvas mean."""
-    if spec is None or view is None:
-        return '<div class="ao-legend ao-dim">No forest yet.</div>'
-    roots = int(((view.parents == NO_OPTION) & view.is_alive).sum())
-    swatches = [
-        (to_hex(color), f"prefers {name}")
-        for color, name in zip(_colors(spec), spec.action_names, strict=True)
-    ][:9]
-    swatches.append((to_hex(UNTRIED), "has tried nothing yet"))
-    rows = "".join(
-        f'<div><span class="ao-swatch" style="background:{c}"></span>{esc(t)}</div>'
-        for c, t in swatches
-    )
-    return (
-        f'<div class="ao-legend"><b>{esc(spec.title)}</b>'
-        f'<div class="ao-dim">{count(len(view), "option")} in {count(roots, "schema")} '
-        f"({'disc' if roots == 1 else 'discs'})</div>{rows}"
-        f'<div class="ao-dim">bigger: visited more often</div>'
-        f'<div><span class="ao-key ao-key-path"></span>path to the most similar option</div>'
-        f'<div><span class="ao-key ao-key-vote"></span>paths of other voters, by share</div>'
-        f'<div><span class="ao-key ao-key-ring"></span>selected (click any option)</div></div>'
-    )
 
 
 def related(chosen: int, view: ForestView, spec: TaskSpec) -> str:
@@ -187,5 +162,6 @@ def _dot(option: int, colors: NDArray[np.uint8], view: ForestView) -> str:
     return to_hex(colors[int(view.best_actions[option])])
 
 
-def _colors(spec: TaskSpec) -> NDArray[np.uint8]:
+def colors_of(spec: TaskSpec) -> NDArray[np.uint8]:
+    """[A, 3] the colour of each action."""
     return action_colors(spec.n_actions, is_ordered=spec.action_grid is not None)

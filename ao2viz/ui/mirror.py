@@ -21,6 +21,15 @@ class Mirror:
             self._shown = value
             self.handle.value = value
 
+    def insist(self) -> None:
+        """Sends once more what is shown, for a browser that may show something else.
+
+        When a person moves a control while the program does, each may see the other's value last.
+        """
+        value = self.handle.value
+        self.handle.value = self.handle.min  # An equal value would not be sent.
+        self.handle.value = value
+
     def show_among(self, options: tuple[str, ...], value: str) -> None:
         """Shows a choice in a list that may have changed, which may have chosen another."""
         if self.handle.options != options:

@@ -1,8 +1,6 @@
-"""A forest as the arrays that are drawn, and the layouts they come from."""
+"""A forest as the arrays that are drawn: where options stand, how big they are, what colour."""
 
-import time
-from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,166 +8,163 @@ from numpy.typing import NDArray
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
-from ao2viz.figures.palette import UNTRIED, action_colors
-from ao2viz.layout.discs import Layout, has_regrown, lay_out
-from ao2viz.ui.view import ForestKey
+from ao2viz.figures.coloring import Shades, shade
+from ao2viz.layout.cones import find_heights
+from ao2viz.layout.discs import Layout, schemas_of
+from ao2viz.layout.state_space import Axes
+from ao2viz.ui.look import Arrangement, Look
 
-_ROOM = 1.7  # A forest that grows is arranged with so many times the places it needs.
-_GLIDE_S = 0.9  # A regrown forest takes so long to rearrange itself …
-_GLIDE_LIMIT = 6_000  # … unless it is so big that sending every moment of it takes too long.
-# A growing forest is laid out again only after this many times as long as the last time took, so
-# that the screen stays quick however big the forest is.
-_REST = 5.0
+Ground = Layout | Axes
+"""What places come from: discs side by side, or features as axes."""
+
 _PICK_RADIUS = 1.2  # Clicks this close to an option count; options are at least 1 apart.
+_FOLDED_SIZE = 1.15  # The root that stands for a whole schema is this big.
+_BALL_ROOM = 1.5
+_BALL_GROWTH = 1.4  # Seen from farther away than a dot from above.
+_CELLS = 14  # Along each axis, to tell which parts of the state space are empty.
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What is drawn of a forest; `N` counts options (cleansed ones have size 0)."""
+    """What is drawn of a forest; `N` counts options, cleansed and hidden ones have size 0."""
 
-    layout: Layout
-    positions: NDArray[np.float32]  # [N, 3] all on the plane z = 0.
-    colors: NDArray[np.uint8]  # [N, 3]
+    ground: Ground
+    is_flat: bool  # All on the plane z = 0, to be seen from above.
+    positions: NDArray[np.float32]  # [N, 3] also of hidden options; 0 where cleansed.
+    stands: NDArray[np.bool_]  # [N] has a place, drawn or not.
+    shades: Shades
     sizes: NDArray[np.float32]  # [N] radii.
-    edges: NDArray[np.float32]  # [E, 2, 3] from parent to child.
+    edges: NDArray[np.float32]  # [E, 2, 3] from parent to child; none in the state space.
     edge_ends: NDArray[np.int64]  # [E, 2] their ids.
+    schemas: NDArray[np.int64]  # [N] the root of each option.
+    folded: NDArray[np.int64]  # [F] roots that stand for their whole schema.
+    n_hidden: int  # Living options that are not drawn.
+    outline: NDArray[np.float64]  # [K, 4] balls x, y, z, radius that hold what is drawn.
+
+    @property
+    def colors(self) -> NDArray[np.uint8]:
+        """One for each option, [N, 3]."""
+        return self.shades.colors
+
+    @property
+    def axes(self) -> Axes | None:
+        """The axes, if this is the state space."""
+        return self.ground if isinstance(self.ground, Axes) else None
+
+    @property
+    def discs(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Centres [S, 2] and radii [S] of the discs that are drawn; none unless seen flat."""
+        if isinstance(self.ground, Layout) and self.is_flat:
+            return self.ground.centres, self.ground.radii
+        return np.empty((0, 2)), np.empty(0)
 
     def position_of(self, option: int) -> NDArray[np.float32] | None:
-        """Where an option stands [3]; None if it is not drawn."""
-        if 0 <= option < len(self.sizes) and self.sizes[option] > 0:
+        """Where an option stands [3], drawn or not; None if it has no place."""
+        if 0 <= option < len(self.stands) and self.stands[option]:
             return self.positions[option]
         return None
 
     def pick(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> int:
-        """The option that a ray from the camera meets; NO_OPTION if it meets none."""
+        """The drawn option that a ray from the camera meets; NO_OPTION if it meets none."""
         if len(origin) != 3 or len(direction) != 3:
             return NO_OPTION
         ray = np.array([origin, direction], np.float64)
-        if not np.isfinite(ray).all() or ray[1, 2] * ray[0, 2] >= 0:
-            return NO_OPTION  # Looking away from the plane, or no ray at all.
-        hit = ray[0, :2] - ray[1, :2] * ray[0, 2] / ray[1, 2]
-        gaps = np.hypot(*(self.positions[:, :2] - hit).T)
-        gaps[self.sizes == 0] = np.inf
-        if len(gaps) == 0 or gaps.min() > _PICK_RADIUS:
+        length = float(np.linalg.norm(ray[1]))
+        if not np.isfinite(ray).all() or length == 0 or len(self.sizes) == 0:
             return NO_OPTION
-        return int(np.argmin(gaps))
+        along = ray[1] / length
+        toward = self.positions - ray[0]
+        ahead = toward @ along
+        gaps = np.linalg.norm(toward - ahead[:, None] * along, axis=1)
+        gaps[(self.sizes == 0) | (ahead <= 0)] = np.inf
+        near = int(np.argmin(gaps))
+        return near if gaps[near] <= max(_PICK_RADIUS, self.sizes[near]) else NO_OPTION
 
-    @property
-    def box(self) -> tuple[float, float, float, float]:
-        """Left, right, bottom and top of what is drawn."""
-        if len(self.layout.roots) == 0:
-            return -10.0, 10.0, -10.0, 10.0
-        centres, radii = self.layout.centres, self.layout.radii[:, None]
-        low, high = (centres - radii).min(axis=0), (centres + radii).max(axis=0)
-        return float(low[0]), float(high[0]), float(low[1]), float(high[1])
+    def edges_of_schema(self, schema: int, view: ForestView) -> NDArray[np.float32]:
+        """[E, 2, 3] all edges of one schema, wherever its options stand."""
+        n = len(self.stands)
+        children = np.flatnonzero(
+            (self.schemas == schema) & self.stands & (view.parents[:n] != NO_OPTION)
+        )
+        both = [self.positions[view.parents[children]], self.positions[children]]
+        return np.stack(both, axis=1)
 
 
-def draw(view: ForestView, layout: Layout, spec: TaskSpec) -> Picture:
-    """The arrays of a forest that has been laid out."""
-    drawn = ~np.isnan(layout.positions[:, 0])
-    positions = np.zeros((len(drawn), 3), np.float32)
-    positions[drawn, :2] = layout.positions[drawn]
-    colors = action_colors(spec.n_actions, is_ordered=spec.action_grid is not None)
-    visits = view.visits[: len(drawn)].sum(axis=1)
-    children = np.flatnonzero(drawn & (view.parents[: len(drawn)] != NO_OPTION))
-    parents = view.parents[children]
+def draw(
+    view: ForestView,
+    ground: Ground,
+    spec: TaskSpec,
+    look: Look,
+    agreement: NDArray[np.float64] | None = None,
+) -> Picture:
+    """The arrays of a forest whose ground is known; `agreement` only for that colouring."""
+    positions, stands = _places(view, ground, look)
+    n = len(stands)
+    schemas = schemas_of(view)[:n]
+    shown = stands.copy()
+    if look.deepest is not None:
+        shown &= view.depths[:n] <= look.deepest
+    is_root = view.parents[:n] == NO_OPTION
+    folded = np.array(sorted(look.folded), np.int64)
+    folded = folded[(folded >= 0) & (folded < n)]
+    folded = folded[stands[folded] & is_root[folded]]
+    shown &= is_root | ~np.isin(schemas, folded)
+    visits = view.visits[:n].sum(axis=1)
+    sizes = np.where(shown, np.clip(0.24 + 0.045 * np.log2(1 + visits), 0, 0.46), 0)
+    sizes *= 1.0 if look.is_flat else _BALL_GROWTH
+    sizes[folded] = _FOLDED_SIZE
+    edge_ends = np.empty((0, 2), np.int64)
+    if isinstance(ground, Layout):
+        children = np.flatnonzero(shown & ~is_root)
+        edge_ends = np.column_stack([view.parents[children], children])
     return Picture(
-        layout=layout,
+        ground=ground,
+        is_flat=look.is_flat,
         positions=positions,
-        colors=np.where(
-            visits[:, None] > 0,
-            colors[view.best_actions[: len(drawn)]],
-            np.array(UNTRIED, np.uint8),
-        ).astype(np.uint8),
-        sizes=np.where(drawn, np.clip(0.24 + 0.045 * np.log2(1 + visits), 0, 0.46), 0).astype(
-            np.float32
-        ),
-        edges=np.stack([positions[parents], positions[children]], axis=1),
-        edge_ends=np.column_stack([parents, children]),
+        stands=stands,
+        shades=shade(view, spec, look.coloring, agreement),
+        sizes=sizes.astype(np.float32),
+        edges=np.stack([positions[edge_ends[:, 0]], positions[edge_ends[:, 1]]], axis=1),
+        edge_ends=edge_ends,
+        schemas=schemas,
+        folded=folded,
+        n_hidden=int(np.count_nonzero(view.is_alive)) - int(np.count_nonzero(shown)),
+        outline=_outline(ground, positions, stands),
     )
 
 
-@dataclass(frozen=True, eq=False)
-class _Hung:
-    """A picture, what it was drawn from, and when it may be drawn again."""
-
-    picture: Picture
-    view: ForestView
-    rest_until: float
-
-
-class Gallery:
-    """Pictures of the forests on screen; each is laid out once, however many browsers watch."""
-
-    def __init__(self, clock: Callable[[], float] = time.monotonic) -> None:
-        self._clock = clock
-        self._hung: dict[ForestKey, _Hung] = {}
-        self._glides: dict[ForestKey, _Glide] = {}
-
-    def get(self, key: ForestKey, view: ForestView, spec: TaskSpec) -> Picture:
-        """The picture of a forest as it is now, or a moment ago if it grows fast.
-
-        Options of a growing forest stay where they are. Only when it regrows as a whole do they
-        glide to a fresh arrangement.
-        """
-        hung, began = self._hung.get(key), self._clock()
-        if hung is None or (hung.view is not view and began >= hung.rest_until):
-            hung = self._hang(key, view, spec, hung)
-        glide = self._glides.get(key)
-        if glide is None:
-            return hung.picture
-        if began >= glide.ends_at:
-            del self._glides[key]
-            return hung.picture
-        return _between(glide, hung.picture, began)
-
-    def _hang(
-        self, key: ForestKey, view: ForestView, spec: TaskSpec, hung: "_Hung | None"
-    ) -> "_Hung":
-        began = self._clock()
-        room = _ROOM if key[0] == "run" else 1.0
-        if hung is None:
-            layout = lay_out(view, None, room)
-        elif hung.view.revision == view.revision:
-            layout = hung.picture.layout
-        elif len(hung.picture.layout.roots) == 0 or has_regrown(hung.view, view):
-            layout = lay_out(view, None, room)
-            if 0 < len(view) <= _GLIDE_LIMIT and len(hung.picture.layout.roots):
-                self._glides[key] = _Glide(hung.picture.layout, began, began + _GLIDE_S)
-        else:
-            layout = lay_out(view, hung.picture.layout)
-        picture = draw(view, layout, spec)
-        ended = self._clock()
-        new = self._hung[key] = _Hung(picture, view, ended + _REST * (ended - began))
-        return new
-
-    def keep_only(self, keys: set[ForestKey]) -> None:
-        """Forgets forests that no browser shows any more."""
-        for gone in self._hung.keys() - keys:
-            del self._hung[gone]
-            self._glides.pop(gone, None)
+def _places(
+    view: ForestView, ground: Ground, look: Look
+) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
+    if isinstance(ground, Axes):
+        stands = np.array(view.is_alive)
+        return np.where(stands[:, None], ground.place(view.values), 0).astype(np.float32), stands
+    stands = ~np.isnan(ground.positions[:, 0])
+    positions = np.zeros((len(stands), 3), np.float32)
+    positions[stands, :2] = ground.positions[stands]
+    if look.arrangement is Arrangement.CONES:
+        positions[stands, 2] = find_heights(view.depths[: len(stands)][stands])
+    return positions, stands
 
 
-def _between(glide: "_Glide", picture: Picture, now: float) -> Picture:
-    """The picture part of the way from an old layout to its own."""
-    progress = (now - glide.began) / (glide.ends_at - glide.began)
-    eased = progress * progress * (3 - 2 * progress)
-    old, new = glide.start.positions, picture.layout.positions
-    both = np.flatnonzero(~np.isnan(old[: len(new), 0]) & ~np.isnan(new[: len(old), 0]))
-    positions = new.copy()
-    positions[both] = old[both] + (new[both] - old[both]) * eased
-    roots = picture.layout.roots
-    layout = replace(picture.layout, positions=positions, centres=positions[roots])
-    points = picture.positions.copy()
-    points[both, :2] = positions[both]
-    edges = np.stack([points[picture.edge_ends[:, 0]], points[picture.edge_ends[:, 1]]], axis=1)
-    return replace(picture, layout=layout, positions=points, edges=edges)
-
-
-@dataclass(frozen=True, eq=False)
-class _Glide:
-    """A move of all options from one layout to another."""
-
-    start: Layout
-    began: float
-    ends_at: float
+def _outline(
+    ground: Ground, positions: NDArray[np.float32], stands: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    if isinstance(ground, Layout):
+        if len(ground.roots) == 0:
+            return np.array([[0.0, 0.0, 0.0, 10.0]])
+        if not positions[:, 2].any():
+            flat = np.zeros(len(ground.radii))
+            return np.column_stack([ground.centres, flat, ground.radii])
+        return np.column_stack([positions[stands], np.full(int(stands.sum()), _BALL_ROOM)])
+    # The cells of the box that hold options, and the ends of the axes with room for words.
+    low, high = ground.box
+    size = np.maximum(high - low, 1e-9)
+    cells = np.unique(((positions[stands] - low) / size * _CELLS).astype(np.int64), axis=0)
+    middles = low + (cells + 0.5) * size / _CELLS * (size > 1e-6)
+    radius = float(size.max()) / _CELLS
+    corners = np.array([[low[0], low[1]], [high[0], low[1]], [low[0], high[1]]])
+    ends = np.column_stack([corners, np.full(3, low[2]), np.full(3, 1.2 * radius)])
+    top = np.array([[low[0], low[1], high[2], 1.2 * radius]])
+    inner = np.column_stack([middles, np.full(len(middles), radius)])
+    return np.concatenate([inner, ends, top])

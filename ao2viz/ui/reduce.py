@@ -8,7 +8,9 @@ from typing import assert_never
 import numpy as np
 
 from ao2viz.core.config import Preset
-from ao2viz.core.decision import NO_OPTION
+from ao2viz.core.decision import NO_OPTION, Decision
+from ao2viz.core.forest import ForestView
+from ao2viz.envs.task import TaskSpec
 from ao2viz.recording.episode import Episode
 from ao2viz.store.saved import SavedAgent
 from ao2viz.training.states import (
@@ -34,19 +36,16 @@ from ao2viz.ui.commands import (
     ConfirmOverwrite,
     Edit,
     Field,
-    Fit,
-    FocusPath,
     Move,
     Pick,
     Press,
     RunButton,
     Seek,
-    Select,
     SetPlaySpeed,
     SetTrainingSpeed,
-    TidyUp,
     Transport,
 )
+from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
 from ao2viz.ui.session import OTHER_ENV, Form, Session
 from ao2viz.ui.world import World
 
@@ -93,14 +92,6 @@ def reduce(session: Session, command: Command, world: World) -> Result:
             return replace(session, episode=index, position=0.0, is_playing=True), ()
         case Pick():
             return session, (PickOption(command),)
-        case Select(option):
-            return _select(session, option, world)
-        case Fit():
-            return replace(session, fits=session.fits + 1), ()
-        case FocusPath():
-            return replace(session, focuses=session.focuses + 1), ()
-        case TidyUp():
-            return replace(session, tidies=session.tidies + 1, fits=session.fits + 1), ()
         case Edit(field, value):
             return replace(session, form=_fill_in(session.form, field, value)), ()
         case Press(button):
@@ -112,11 +103,15 @@ def reduce(session: Session, command: Command, world: World) -> Result:
         case ChooseDecideBy(decide_by):
             return session, (SetDecideBy(decide_by),)
         case _:
-            assert_never(command)
+            return _explore(session, command, world)
 
 
 def advance(session: Session, world: World, seconds: float) -> Session:
     """Lets a playing episode go on; at its end it stays and stops."""
+    session = _fill_in_task(session, world)
+    look = choose_axes(session.look, forest_of(session, world))
+    if look is not session.look:
+        session = replace(session, look=look)
     if not session.is_playing or episode_of(session, world) is None:
         return session
     last = _last_position(session, world)
@@ -124,6 +119,19 @@ def advance(session: Session, world: World, seconds: float) -> Session:
     if position >= last:
         return replace(session, position=float(last), is_playing=False)
     return replace(session, position=position)
+
+
+def _fill_in_task(session: Session, world: World) -> Session:
+    """Prepares the form for more training on the task of a file that has just been opened."""
+    agent = agent_of(session, world)
+    if agent is None or session.form_source == session.source:
+        return session
+    env_id, form = agent.spec.env_id, session.form
+    if env_id in world.env_ids:
+        form = replace(form, env=env_id, preset=agent.preset)
+    else:
+        form = replace(form, env=OTHER_ENV, custom_env=env_id, preset=agent.preset)
+    return replace(session, form=form, form_source=session.source)
 
 
 def follow(session: Session, before: RunUpdate, now: RunUpdate) -> Session:
@@ -185,6 +193,7 @@ def _watch(session: Session, path: Path | None, world: World) -> Session:
         position=0.0,
         is_playing=path is not None,
         selected=NO_OPTION,
+        look=forget_place(session.look),
         fits=session.fits + 1,
     )
     if path is None and world.update.episode is not None:
@@ -192,14 +201,39 @@ def _watch(session: Session, path: Path | None, world: World) -> Session:
     return session
 
 
-def _select(session: Session, option: int, world: World) -> Result:
-    if option == NO_OPTION:
-        return replace(session, selected=NO_OPTION), ()
+def forest_of(session: Session, world: World) -> ForestView | None:
+    """The forest that is watched, if there is one."""
+    if session.source is None:
+        return world.update.forest
     agent = agent_of(session, world)
-    forest = world.update.forest if session.source is None else agent and agent.forest_view()
-    if not forest or not 0 <= option < len(forest.parents) or not forest.is_alive[option]:
-        return session, (Notify("No such option", f"There is no option {option} here."),)
-    return replace(session, selected=option), ()
+    return agent.forest_view() if agent is not None else None
+
+
+def spec_of(session: Session, world: World) -> TaskSpec | None:
+    """The task of what is watched."""
+    agent = agent_of(session, world)
+    return world.update.spec if session.source is None else agent.spec if agent else None
+
+
+def decision_of(session: Session, world: World) -> Decision | None:
+    """The decision at the place of the session; None past the end and before the first."""
+    if session.source is None and world.update.status in (
+        RunStatus.RUNNING,
+        RunStatus.PREPARING,
+    ):
+        return world.update.decision
+    episode = episode_of(session, world)
+    if episode is None:
+        return world.update.decision if session.source is None else None
+    position = min(int(session.position), len(episode))
+    return episode.decisions[position] if position < len(episode) else None
+
+
+def _explore(session: Session, command: Exploring, world: World) -> Result:
+    forest, spec = forest_of(session, world), spec_of(session, world)
+    decision = decision_of(session, world)
+    session, problem = explore(session, command, forest, spec, decision)
+    return session, ((Notify("Not here", problem),) if problem else ())
 
 
 def _fill_in(form: Form, field: Field, value: str | int) -> Form:

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
+from ao2viz.ui.look import Look
 
 OTHER_ENV = "other …"
 """The choice in the list of environments that lets people type an id."""
@@ -37,8 +38,11 @@ class Session:
     is_playing: bool = True
     play_speed: float = 1.0
     selected: int = NO_OPTION
+    look: Look = field(default_factory=Look)
     form: Form = field(default_factory=Form)
+    form_source: Path | None = None  # The file whose task the form was last filled in for.
     overwrite: Path | None = None  # The file that waits for a yes before it is replaced.
     fits: int = 0  # Raised to ask for the whole forest in view.
     focuses: int = 0  # Raised to ask for the path in view.
+    selection_focuses: int = 0  # Raised to ask for the selected option in view.
     tidies: int = 0  # Raised to ask for a fresh arrangement.

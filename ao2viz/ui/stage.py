@@ -5,7 +5,7 @@ import viser
 from ao2viz import resources
 from ao2viz.ui.scene import prepare
 
-_LEFT_PX, _RIGHT_PX, _LEGEND_PX = 300, 340, 230
+_LEFT_PX, _RIGHT_PX = 300, 340
 
 
 class Stage:
@@ -26,10 +26,8 @@ class Stage:
         gui.main_panel.set_width(_RIGHT_PX)
         below = gui.add_panel()
         self.inspect = below.add_tab("Inspect", viser.Icon.BINARY_TREE)
+        self.forest = below.add_tab("Forest", viser.Icon.TREES)
         self.charts = below.add_tab("Charts", viser.Icon.CHART_LINE)
         below.dock_below(gui.main_panel)
         below.set_width(_RIGHT_PX)
-        over = gui.add_panel()
-        self.legend = over.add_tab("Legend", viser.Icon.INFO_CIRCLE)
-        over.float(x=10, y=-10, width=_LEGEND_PX)
         prepare(server.scene)

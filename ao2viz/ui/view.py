@@ -1,6 +1,6 @@
 """What one browser shows at one moment, worked out from its session and the world; pure."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,12 +14,23 @@ from ao2viz.recording.episode import Episode
 from ao2viz.training.states import RunStatus, SetDecideBy, accepts
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.commands import RunButton
-from ao2viz.ui.reduce import agent_of, episode_of, run_command
+from ao2viz.ui.look import Look
+from ao2viz.ui.reduce import (
+    agent_of,
+    decision_of,
+    episode_of,
+    forest_of,
+    run_command,
+    spec_of,
+)
 from ao2viz.ui.session import Form, Session
 from ao2viz.ui.world import LoadFailure, ShelfItem, World
 
 ForestKey = tuple[str, str, int]
 """Tells forests apart: where it comes from, and how often it was tidied up."""
+
+
+_SEEN = 40  # States before this moment that are shown as well.
 
 
 @dataclass(frozen=True)
@@ -47,11 +58,13 @@ class View:
     forest_key: ForestKey
     decision: Decision | None
     observation: NDArray[np.float64] | None  # What is seen at this moment.
+    seen: NDArray[np.float64] | None  # [T, D] the last few states, this moment's at the end.
     episode: Episode | None
     frame: bytes | None  # The run's own picture; None: take the episode's.
     notice: str  # Said in place of a sentence while there is no decision.
     transport: Transport
     selected: int
+    look: Look
     run: RunUpdate
     enabled: frozenset[RunButton]
     can_choose_decide_by: bool
@@ -63,6 +76,7 @@ class View:
     history: NDArray[np.float64]
     fits: int
     focuses: int
+    selection_focuses: int
 
 
 def project(session: Session, world: World) -> View:
@@ -76,13 +90,13 @@ def project(session: Session, world: World) -> View:
         episode = None
     last = len(episode) if episode is not None else 0
     position = min(int(session.position), last)
+    decision, spec = decision_of(session, world), spec_of(session, world)
     if episode is None:
-        decision = update.decision if is_run else None
-        observation = decision.observation if decision is not None else None
+        seen = decision.observation[None] if decision is not None else None
     else:
-        decision = episode.decisions[position] if position < last else None
-        observation = episode.observations[position]
-    forest = update.forest if is_run else (agent.forest_view() if agent else None)
+        seen = episode.observations[max(0, position - _SEEN) : position + 1]
+    look = session.look
+    look = replace(look, axes=look.axes_for(spec.n_features if spec is not None else 0))
     kind, name = ("run", str(update.run_id)) if is_run else ("file", str(session.source))
     return View(
         shelf=world.shelf,
@@ -90,11 +104,12 @@ def project(session: Session, world: World) -> View:
         source=session.source,
         episodes=_episode_labels(agent.episodes if agent else ()),
         episode_index=session.episode,
-        spec=update.spec if is_run else (agent.spec if agent else None),
-        forest=forest,
+        spec=spec,
+        forest=forest_of(session, world),
         forest_key=(kind, name, session.tidies),
         decision=decision,
-        observation=observation,
+        observation=seen[-1] if seen is not None else None,
+        seen=seen,
         episode=episode,
         frame=update.frame if is_run and episode is None else None,
         notice=_notice(session, world, episode, position),
@@ -102,6 +117,7 @@ def project(session: Session, world: World) -> View:
             position, last, session.is_playing, episode is not None, session.play_speed
         ),
         selected=session.selected,
+        look=look,
         run=update,
         enabled=_enabled(update.status),
         can_choose_decide_by=accepts(update.status, SetDecideBy),
@@ -113,6 +129,7 @@ def project(session: Session, world: World) -> View:
         history=update.history if is_run else (agent.history if agent else np.empty((0, 4))),
         fits=session.fits,
         focuses=session.focuses,
+        selection_focuses=session.selection_focuses,
     )
 
 

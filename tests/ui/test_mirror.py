@@ -56,3 +56,18 @@ def test_a_slider_never_shows_more_than_its_range(gui):
     assert (slider.max, slider.value) == (5, 5)
     mirror.show_within(500, 400)
     assert (slider.max, slider.value) == (500, 400)
+
+
+def test_a_slider_that_a_person_moved_meanwhile_is_told_its_value_again(gui, monkeypatch):
+    slider = gui.add_slider("Step", 0, 10, 1, 9)
+    mirror = Mirror(slider)
+    by_person(slider, 4)
+    sent = []
+    monkeypatch.setattr(
+        slider._impl.gui_api._websock_interface, "queue_message", lambda m: sent.append(m.updates)
+    )
+    mirror.show(4)  # Viser sends nothing: it knows that the slider says 4. A browser may not.
+    assert sent == []
+    mirror.insist()
+    assert sent[-1] == {"value": 4}
+    assert slider.value == 4

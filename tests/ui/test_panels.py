@@ -11,9 +11,14 @@ from PIL import Image
 
 from ao2viz.agent import AO2
 from ao2viz.envs.catalogue import Feature
+from ao2viz.figures.coloring import Coloring
+from ao2viz.layout.discs import lay_out
 from ao2viz.ui import html
 from ao2viz.ui.frames import SIZE, FrameStore, encode, refit
+from ao2viz.ui.html_forest import legend
 from ao2viz.ui.library import Library
+from ao2viz.ui.look import Arrangement, Look
+from ao2viz.ui.picture import draw
 from ao2viz.ui.world import LoadFailure
 from tests.forests import cartpole, decision, small_view
 
@@ -40,7 +45,7 @@ def test_nothing_from_a_file_becomes_html():
         html.decision(made, spec, view),
         html.path(made, spec, view),
         html.option(4, view, spec, made.observation),
-        html.legend(spec, view),
+        legend(spec, view, Look(), picture_of(spec, view)),
         html.notice(EVIL),
     ]
     for page in pages:
@@ -83,12 +88,44 @@ def test_an_option_that_tried_nothing_prefers_nothing():
     assert "tried nothing" in html.related(3, small_view(), cartpole())
 
 
+def picture_of(spec, view, **look):
+    return draw(view, lay_out(view), spec, Look(**look))
+
+
 def test_the_legend_counts_options_and_schemas():
-    page = html.legend(cartpole(), small_view())
+    view, spec = small_view(), cartpole()
+    page = legend(spec, view, Look(), picture_of(spec, view))
     assert "5 options in 2 schemas" in page
     assert "prefers push left" in page
     assert "path to the most similar option" in page
-    assert "No forest yet" in html.legend(None, None)
+    assert "hidden" not in page
+    assert "No forest yet" in legend(None, None, Look(), None)
+
+
+@pytest.mark.parametrize(
+    ("coloring", "words"),
+    [
+        (Coloring.VALUE, ("expected return", "2.00", "92.2")),
+        (Coloring.VISITS, ("how often it was visited", "1 visit", "15 visits")),
+        (Coloring.AGE, ("when it was made", "step 7")),
+        (Coloring.AGREEMENT, ("8 nearest prefer the same", "none", "half", "all")),
+    ],
+)
+def test_the_legend_explains_the_colours_that_are_shown(coloring, words):
+    view, spec = small_view(), cartpole()
+    look = Look(coloring=coloring)
+    page = legend(spec, view, look, picture_of(spec, view, coloring=coloring))
+    for word in words:
+        assert word in page
+    assert "prefers push" not in page
+
+
+def test_the_legend_says_how_many_options_are_hidden():
+    view, spec = small_view(), cartpole()
+    look = {"deepest": 0, "arrangement": Arrangement.CONES}
+    page = legend(spec, view, Look(**look), picture_of(spec, view, **look))
+    assert "3 options hidden" in page
+    assert "cones" in page
 
 
 def size_of(jpeg: bytes) -> tuple[int, int]:

@@ -8,6 +8,7 @@ import pytest
 
 from ao2viz.core.config import PaperConfig, Preset
 from ao2viz.core.decision import NO_OPTION, DecideBy
+from ao2viz.figures.coloring import Coloring
 from ao2viz.recording.episode import Episode
 from ao2viz.training.states import (
     TRANSITIONS,
@@ -41,6 +42,7 @@ from ao2viz.ui.commands import (
     TidyUp,
     Transport,
 )
+from ao2viz.ui.look import Look
 from ao2viz.ui.reduce import Notify, PickOption, advance, follow, reduce, run_command
 from ao2viz.ui.session import OTHER_ENV, Form, Session
 from ao2viz.ui.view import project
@@ -76,7 +78,7 @@ def world(update: RunUpdate | None = None, **more) -> World:
 
 
 def watching(position: float = 0.0, **more) -> Session:
-    return Session(source=FILE, position=position, **more)
+    return Session(**{"source": FILE, "position": position, **more})
 
 
 def after(session: Session, command, w: World | None = None) -> Session:
@@ -133,7 +135,7 @@ def test_options_are_selected_if_they_exist():
     assert after(watching(), Select(4)).selected == 4
     session, effects = reduce(watching(selected=1), Select(77), world())
     assert session.selected == 1
-    assert effects == (Notify("No such option", "There is no option 77 here."),)
+    assert effects == (Notify("Not here", "There is no option 77 here."),)
     assert after(watching(selected=1), Select(NO_OPTION)).selected == NO_OPTION
 
 
@@ -308,3 +310,21 @@ def test_a_saved_agent_of_the_other_preset_is_shown_as_well():
     agent = saved_agent(config=PaperConfig())
     view = project(watching(), World(opened={FILE: agent}))
     assert view.forest is agent.forest_view()
+
+
+def test_the_form_follows_the_task_of_a_file_that_was_opened_and_then_leaves_it():
+    w = replace(world(), env_ids=("Pendulum-v1", "CartPole-v1"))
+    opened = advance(watching(form=Form(env="Pendulum-v1")), w, 0.05)
+    assert opened.form.env == "CartPole-v1"
+    edited = replace(opened, form=replace(opened.form, env="Pendulum-v1"))
+    assert advance(edited, w, 0.05).form.env == "Pendulum-v1"
+    unlisted = advance(watching(), replace(w, env_ids=("Pendulum-v1",)), 0.05)
+    assert unlisted.form.env == OTHER_ENV
+    assert unlisted.form.env_id == "CartPole-v1"
+    assert advance(watching(source=None), w, 0.05).form == Form()
+
+
+def test_what_was_folded_is_forgotten_with_another_agent():
+    look = Look(folded=frozenset({1}), axes=(1, 2), coloring=Coloring.AGE, deepest=2)
+    elsewhere = after(watching(look=look), ChooseSource(None))
+    assert elsewhere.look == Look(coloring=Coloring.AGE, deepest=2)

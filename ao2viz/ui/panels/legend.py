@@ -4,35 +4,47 @@ import viser
 from viser._messages import HotkeyKey
 
 from ao2viz.ui import html
-from ao2viz.ui.commands import Command, Fit, FocusPath, TidyUp
+from ao2viz.ui.commands import Command, Fit, FocusPath, FocusSelection, TidyUp
+from ao2viz.ui.html_forest import legend, legend_size
 from ao2viz.ui.inbox import Inbox, on_click, on_trigger
+from ao2viz.ui.look import Look
+from ao2viz.ui.picture import Picture
 from ao2viz.ui.view import View
 
-_BUTTONS: tuple[tuple[str, str, viser.IconName, Command, HotkeyKey], ...] = (
-    ("Fit", "show the whole forest", viser.Icon.ARROWS_MAXIMIZE, Fit(), "F"),
-    ("Path", "show the path", viser.Icon.FOCUS, FocusPath(), "V"),
-    ("Tidy", "arrange the forest afresh", viser.Icon.LAYOUT, TidyUp(), "Y"),
+_WIDTH_PX = 230
+_GAP_PX = 10
+_BUTTONS: tuple[tuple[str, str, Command, HotkeyKey], ...] = (
+    ("Fit", "show the whole forest", Fit(), "F"),
+    ("Path", "show the path", FocusPath(), "V"),
+    ("Option", "show the selected option", FocusSelection(), "G"),
+    ("Tidy", "arrange the forest afresh", TidyUp(), "Y"),
 )
 
 
 class LegendPanel:
-    """The legend, which explains the canvas in words."""
+    """The legend, which each browser can move and minimise as it likes."""
 
     def __init__(self, gui: viser.GuiApi, client_id: int, inbox: Inbox) -> None:
-        self._shown: tuple[object, object] = (None, None)
-        gui.add_html(html.no_tab())
-        self._text = gui.add_html(html.legend(None, None))
-        gui.add_html(html.row(3))
-        for label, words, icon, command, key in _BUTTONS:
-            button = gui.add_button(label, icon=icon, color="gray")
-            on_click(button, command, client_id, inbox)
-            trigger = gui.add_command(f"Canvas: {words}", hotkey=key, icon=icon)
-            on_trigger(trigger, command, client_id, inbox)
+        self._shown: tuple[object, ...] = ()
+        self.size = (0.0, 0.0)  # Pixels of the canvas that it covers, lower left.
+        panel = gui.add_panel()
+        panel.float(x=_GAP_PX, y=-_GAP_PX, width=_WIDTH_PX)
+        with panel.add_tab("Legend", viser.Icon.INFO_CIRCLE):
+            gui.add_html(html.no_tab())
+            self._text = gui.add_html(legend(None, None, Look(), None))
+            gui.add_html(html.row(4))
+            for label, words, command, key in _BUTTONS:
+                button = gui.add_button(label, color="gray", hint=words.capitalize())
+                on_click(button, command, client_id, inbox)
+                trigger = gui.add_command(f"Canvas: {words}", hotkey=key)
+                on_trigger(trigger, command, client_id, inbox)
 
-    def sync(self, view: View) -> None:
-        """Shows the legend of the forest on the canvas."""
-        shown = (view.spec, view.forest)
-        if shown[0] is self._shown[0] and shown[1] is self._shown[1]:
+    def sync(self, view: View, picture: Picture | None) -> None:
+        """Shows the legend of what is on the canvas."""
+        shown = (view.spec, view.forest, view.look, picture)
+        if self._shown and all(a is b or a == b for a, b in zip(shown, self._shown, strict=True)):
             return
         self._shown = shown
-        self._text.content = html.legend(view.spec, view.forest)
+        self._text.content = legend(view.spec, view.forest, view.look, picture)
+        size = legend_size(view.spec, view.forest, view.look, picture)
+        self.size = size[0] + _GAP_PX, size[1] + _GAP_PX

@@ -1,5 +1,8 @@
 """The left dock: what is watched, its picture, the transport, the decision and its path."""
 
+import time
+from collections.abc import Callable
+
 import numpy as np
 import viser
 from viser._messages import HotkeyKey
@@ -30,12 +33,21 @@ _BUTTONS: tuple[tuple[Transport, str, viser.IconName, HotkeyKey], ...] = (
 _NO_EPISODE: str = "none recorded"
 _BLANK = np.full((280, 420, 3), (26, 29, 36), np.uint8)  # As big as most pictures: no jump.
 _BLANK_JPEG = encode(_BLANK)
+_SETTLED_S = 0.5  # After so long without a change the slider is sent once more.
 
 
 class WatchPanel:
     """One browser's place in what happened."""
 
-    def __init__(self, gui: viser.GuiApi, client_id: int, inbox: Inbox) -> None:
+    def __init__(
+        self,
+        gui: viser.GuiApi,
+        client_id: int,
+        inbox: Inbox,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._clock = clock
+        self._moved: tuple[tuple[int, int], float | None] = ((0, 0), None)  # Place, and since when.
         self._shelf: dict[str, ChooseSource] = {}
         self._episodes: tuple[str, ...] = ()
         self._said: tuple[object, ...] = ()
@@ -80,7 +92,7 @@ class WatchPanel:
         for key in self._keys:
             key.disabled = not transport.is_enabled
         self._slider.disabled = not transport.is_enabled
-        self._slider_shown.show_within(max(1, transport.last), transport.position)
+        self._sync_slider(transport.last, transport.position)
         pictured = view.forest_key[:2]
         if frame is not None:
             self._image._data = frame
@@ -88,6 +100,15 @@ class WatchPanel:
             self._image._data = _BLANK_JPEG
         self._pictured = pictured
         self._sync_words(view, problem)
+
+    def _sync_slider(self, last: int, position: int) -> None:
+        self._slider_shown.show_within(max(1, last), position)
+        place, since = self._moved
+        if place != (last, position):
+            self._moved = (last, position), self._clock()
+        elif since is not None and self._clock() - since > _SETTLED_S:
+            self._moved = place, None
+            self._slider_shown.insist()
 
     def _sync_choices(self, view: View) -> None:
         labels = {item.label: ChooseSource(item.path) for item in view.shelf}
