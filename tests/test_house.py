@@ -45,7 +45,7 @@ HOMES = {
     "gymnasium": {"envs", "training", "agent"},
     "viser": {"ui"},
     "plotly": {"figures", "ui"},
-    "networkx": {"explain"},
+    "networkx": {"explain", "exports"},
     "typer": {"cli"},
     "rich": {"cli", "agent"},
     "PIL": {"training", "figures", "ui", "envs"},

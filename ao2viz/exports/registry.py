@@ -8,6 +8,13 @@ from typing import IO
 
 from ao2viz.exports.content import Content
 from ao2viz.exports.documents import write_json
+from ao2viz.exports.graphs import (
+    write_cytoscape,
+    write_dot,
+    write_gexf,
+    write_graphml,
+    write_node_link,
+)
 from ao2viz.exports.images import (
     write_forest_png,
     write_forest_svg,
@@ -29,6 +36,11 @@ class Format(Enum):
     MARKDOWN = "markdown"
     LATEX = "latex"
     HTML = "html"
+    GRAPHML = "graphml"
+    GEXF = "gexf"
+    DOT = "dot"
+    CYTOSCAPE = "cytoscape"
+    NODE_LINK = "node-link"
     SVG = "svg"
     PNG = "png"
     PATH_SVG = "path-svg"
@@ -68,6 +80,11 @@ EXPORTERS: Mapping[Format, Exporter] = {
     Format.MARKDOWN: FileExporter(".md", "summary, attention, settings, steps", write_markdown),
     Format.LATEX: FileExporter(".tex", "the steps of an episode as a table", write_latex),
     Format.HTML: FileExporter(".html", "a page with every step of an episode", write_report),
+    Format.GRAPHML: FileExporter(".graphml", "the forest as a graph", write_graphml),
+    Format.GEXF: FileExporter(".gexf", "the forest as a graph, with places", write_gexf),
+    Format.DOT: FileExporter(".dot", "the forest as a graph, with places", write_dot),
+    Format.CYTOSCAPE: FileExporter(".json", "the forest for Cytoscape", write_cytoscape),
+    Format.NODE_LINK: FileExporter(".json", "the forest for D3 and networkx", write_node_link),
     Format.SVG: FileExporter(".svg", "the forest, with the path of a step", write_forest_svg),
     Format.PNG: FileExporter(".png", "the forest, with the path of a step", write_forest_png),
     Format.PATH_SVG: FileExporter(".svg", "the path of a step, as a stack", write_path_svg),

@@ -3,6 +3,7 @@
 import functools
 from dataclasses import replace
 
+from ao2viz.agent import AO2
 from ao2viz.envs.catalogue import Entry, Feature
 from ao2viz.recording.episode import Episode
 from ao2viz.resources import saved_schemas
@@ -39,9 +40,21 @@ def shipped(env_id: str) -> SavedAgent:
     return replace(saved, episodes=tuple(first_steps(e, 40) for e in saved.episodes))
 
 
+@functools.cache
+def tiny() -> SavedAgent:
+    """An agent that has hardly learned, with hostile names: some dozens of options."""
+    agent = AO2("CartPole-v1", seed=0).learn(320)
+    agent.record_episode(1)
+    return with_hostile_names(agent.to_saved())
+
+
 def hostile() -> SavedAgent:
-    """The CartPole agent with names that a stranger chose."""
-    saved = shipped("CartPole-v1")
+    """The shipped CartPole agent with names that a stranger chose."""
+    return with_hostile_names(shipped("CartPole-v1"))
+
+
+def with_hostile_names(saved: SavedAgent) -> SavedAgent:
+    """The same CartPole agent with names that a stranger chose."""
     spec = replace(
         saved.spec,
         title=HOSTILE_TITLE,

@@ -26,6 +26,11 @@ def hostile() -> SavedAgent:
 
 
 @pytest.fixture
+def tiny() -> SavedAgent:
+    return agents.tiny()
+
+
+@pytest.fixture
 def write(tmp_path: Path) -> Export:
     """Exports into a fresh file and says where it is."""
 
