@@ -22,6 +22,7 @@ from ao2viz.exports.images import (
     write_path_svg,
 )
 from ao2viz.exports.pages import write_latex, write_markdown
+from ao2viz.exports.policy import write_policy
 from ao2viz.exports.report import write_report
 from ao2viz.exports.tables import write_parquet, write_paths_csv, write_steps_csv
 
@@ -41,6 +42,7 @@ class Format(Enum):
     DOT = "dot"
     CYTOSCAPE = "cytoscape"
     NODE_LINK = "node-link"
+    POLICY = "policy"
     SVG = "svg"
     PNG = "png"
     PATH_SVG = "path-svg"
@@ -85,6 +87,7 @@ EXPORTERS: Mapping[Format, Exporter] = {
     Format.DOT: FileExporter(".dot", "the forest as a graph, with places", write_dot),
     Format.CYTOSCAPE: FileExporter(".json", "the forest for Cytoscape", write_cytoscape),
     Format.NODE_LINK: FileExporter(".json", "the forest for D3 and networkx", write_node_link),
+    Format.POLICY: FileExporter(".py", "the policy as code that needs numpy alone", write_policy),
     Format.SVG: FileExporter(".svg", "the forest, with the path of a step", write_forest_svg),
     Format.PNG: FileExporter(".png", "the forest, with the path of a step", write_forest_png),
     Format.PATH_SVG: FileExporter(".svg", "the path of a step, as a stack", write_path_svg),
