@@ -8,8 +8,10 @@ from ao2viz.core.decision import Decision
 from ao2viz.core.mind import Mind
 from ao2viz.envs.ranges import Ranges, ranges_of, unlimited
 from ao2viz.envs.task import TaskSpec, to_observation
+from ao2viz.explain.background import Background
 from ao2viz.explain.contrast import WhyNot, explain_why_not
 from ao2viz.explain.flips import Flips, explain_flips
+from ao2viz.explain.nearest import NearestFlip, Progress, find_nearest_flip
 from ao2viz.explain.telling import Told, tell
 from ao2viz.explain.why import Why, explain_why
 
@@ -55,6 +57,31 @@ class Explainer:
         """What would flip it: for each feature the nearest flips, and a certified radius."""
         decision = self._decision(situation)
         return explain_flips(self.mind, decision, self.ranges)
+
+    def nearest_flip(
+        self,
+        situation: Situation,
+        time_limit_s: float = 30.0,
+        on_progress: Progress | None = None,
+    ) -> NearestFlip:
+        """The least change of all features together that changes the action; takes its time.
+
+        Returns the best so far, with its gap, when the time is up or `on_progress` gives False.
+
+        Raises:
+            ValueError: If the agent votes or thinks ahead, or there is no SciPy.
+        """
+        seen = self._decision(situation).observation
+        return find_nearest_flip(self.mind, seen, self.ranges, time_limit_s, on_progress)
+
+    def nearest_flip_in_background(
+        self, situation: Situation, time_limit_s: float = 30.0
+    ) -> Background[NearestFlip]:
+        """`nearest_flip` in a thread of its own: its `latest`, `cancel()` and `result()`."""
+        seen, mind, ranges = self._decision(situation).observation, self.mind.copy(), self.ranges
+        return Background(
+            lambda report: find_nearest_flip(mind, seen, ranges, time_limit_s, report)
+        )
 
     def tell(self, told: Told) -> str:
         """Any explanation from here in plain sentences, a line each."""

@@ -14,6 +14,7 @@ PACKAGE = ROOT / "ao2viz"
 LAYERS = {
     "core": 0,
     "resources": 0,
+    "extras": 0,
     "envs": 1,
     "layout": 1,
     "recording": 1,
@@ -51,7 +52,7 @@ HOMES = {
     "PIL": {"training", "figures", "ui", "envs"},
     "torch": set(),
     "stable_baselines3": set(),
-    "scipy": {"experiments"},
+    "scipy": {"experiments", "explain"},
     "pyarrow": {"experiments", "exports"},
     "distributed": {"experiments"},
     "ray": {"experiments"},

@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from enum import Enum
 from typing import Any, TypeVar
 
-from ao2viz.experiments.extras import need
+from ao2viz.extras import need
 
 ArgumentT = TypeVar("ArgumentT")
 ResultT = TypeVar("ResultT")

@@ -156,7 +156,9 @@ def _find_beyond(
     """
     way = 1.0 if far > near else -1.0
     room = abs(far - near)
-    step = _FIRST_STEP * max(abs(near), abs(float(observation[feature])), 1e-300)
+    # What a small distance is in this feature, for places around zero.
+    small = 1e-3 / max(float(mind.view.attention[feature]), 1e-9)
+    step = _FIRST_STEP * max(abs(near), abs(float(observation[feature])), small)
     tosses = 0
     asked = observation.copy()
     while True:

@@ -74,17 +74,23 @@ def certify(mind: Mind, observation: NDArray[np.float64]) -> Certificate:
 
 
 def turning_points(
-    mind: Mind, observation: NDArray[np.float64], action: int, options: NDArray[np.int64]
+    mind: Mind,
+    observation: NDArray[np.float64],
+    action: int,
+    options: NDArray[np.int64],
+    other: int | None = None,
 ) -> NDArray[np.float64]:
     """[n] how far from an observation each option, if it decided, could first choose otherwise.
 
-    In weighted L1, in any direction; inf where it never does.
+    In weighted L1, in any direction; inf where it never does. With `other`, only that action
+    counts.
     """
     levels, slopes = mind.planes(options)
     gaps = mind.view.attention * observation - mind.forest.columns.scaled[options]
     values = levels + np.einsum("nad,nd->na", slopes, gaps)
-    leads = np.delete(values[:, [action]] - values, action, axis=1)
-    steepest = np.delete(np.abs(slopes[:, [action]] - slopes).max(axis=2), action, axis=1)
+    rivals = [a for a in range(values.shape[1]) if a != action and other in (None, a)]
+    leads = values[:, [action]] - values[:, rivals]
+    steepest = np.abs(slopes[:, [action]] - slopes[:, rivals]).max(axis=2)
     with np.errstate(divide="ignore", invalid="ignore"):
         far = np.where(leads > 0, leads / steepest, 0.0)
     return far.min(axis=1, initial=np.inf)

@@ -3,9 +3,10 @@
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.contrast import WhyNot, tell_why_not
 from ao2viz.explain.flips import Flips, tell_flips
+from ao2viz.explain.nearest import NearestFlip, tell_nearest
 from ao2viz.explain.why import Why, tell_why
 
-Told = Why | WhyNot | Flips
+Told = Why | WhyNot | Flips | NearestFlip
 """Every kind of explanation."""
 
 
@@ -18,3 +19,5 @@ def tell(told: Told, spec: TaskSpec) -> tuple[str, ...]:
             return (tell_why_not(told, spec),)
         case Flips():
             return tell_flips(told, spec)
+        case NearestFlip():
+            return tell_nearest(told, spec)

@@ -4,9 +4,9 @@ import os
 from pathlib import Path
 
 from ao2viz.agent import AO2
-from ao2viz.experiments.extras import need
 from ao2viz.exports.content import Content, Numbered, Progress
 from ao2viz.exports.registry import EXPORTERS, FileExporter, Format
+from ao2viz.extras import need
 from ao2viz.store.files import read
 from ao2viz.store.replacing import replacing, replacing_folder
 from ao2viz.store.saved import SavedAgent

@@ -9,9 +9,8 @@ from pathlib import Path
 import pytest
 
 import ao2viz
-from ao2viz import Format
+from ao2viz import Format, extras
 from ao2viz.core.config import Preset
-from ao2viz.experiments import extras
 from ao2viz.exports import registry
 from ao2viz.exports.registry import EXPORTERS, FileExporter
 from ao2viz.resources import saved_schemas

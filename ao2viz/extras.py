@@ -9,6 +9,7 @@ _EXTRAS: Mapping[str, tuple[str, ...]] = {
     "dask": ("distributed",),
     "ray": ("ray",),
     "exports": ("pyarrow",),
+    "explain": ("scipy",),
 }
 
 
