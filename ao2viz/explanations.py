@@ -8,10 +8,12 @@ from ao2viz.core.decision import Decision
 from ao2viz.core.mind import Mind
 from ao2viz.envs.ranges import Ranges, ranges_of, unlimited
 from ao2viz.envs.task import TaskSpec, to_observation
+from ao2viz.explain.ahead import Ahead, look_ahead
 from ao2viz.explain.background import Background
 from ao2viz.explain.contrast import WhyNot, explain_why_not
 from ao2viz.explain.flips import Flips, explain_flips
 from ao2viz.explain.nearest import NearestFlip, Progress, find_nearest_flip
+from ao2viz.explain.origin import Origin, explain_weight
 from ao2viz.explain.telling import Told, tell
 from ao2viz.explain.why import Why, explain_why
 
@@ -82,6 +84,22 @@ class Explainer:
         return Background(
             lambda report: find_nearest_flip(mind, seen, ranges, time_limit_s, report)
         )
+
+    def ahead(self, situation: Situation, limit: int = 50) -> Ahead:
+        """Where this will lead: the way it expects to go, up to so many steps.
+
+        Raises:
+            ValueError: If the agent has not learned what follows an action (the paper's has not).
+        """
+        return look_ahead(self.mind, self._decision(situation).observation, limit)
+
+    def weight(self, option: int, action: int | str) -> Origin:
+        """Where the weight of an action at an option comes from: its story, step by step.
+
+        Raises:
+            ValueError: If there is no such option or action, or the agent imagines nothing.
+        """
+        return explain_weight(self.mind, option, self.action(action))
 
     def tell(self, told: Told) -> str:
         """Any explanation from here in plain sentences, a line each."""

@@ -97,11 +97,12 @@ def predict(
     radius: float,
     ridge: float,
     work: Workspace,
-) -> bool:
+) -> int:
     """Writes what an action is expected to do at a (scaled) state into `work.effect`.
 
     A local linear regression over the most similar options that tried the action: displacement
-    [D], reward, chance of ending. False if none of them is close enough to know.
+    [D], reward, chance of ending. Returns how many options it rests on, the first so many of the
+    work space; 0 if none of them is close enough to know.
     """
     reach = _KNOWN_WITHIN * radius
     count = find_nearest(
@@ -115,7 +116,7 @@ def predict(
         work.distances,
     )
     if count == 0 or work.distances[0] > reach:
-        return False
+        return 0
     n_features = state.shape[0]
     width = kernel_width(work.distances[0], radius)
     for n in range(count):
@@ -133,4 +134,14 @@ def predict(
         work.effect[n_features] += share * experience.reward[option, action]
         work.effect[n_features + 1] += share * experience.ending[option, action]
     work.effect[n_features + 1] = min(max(work.effect[n_features + 1], 0.0), 1.0)
-    return True
+    return count
+
+
+@compiled
+def count_visits(visits: NDArray[np.int64], action: int, count: int, work: Workspace) -> int:
+    """How often the options that the latest `predict` rests on had tried the action."""
+    total = 0
+    for n in range(count):
+        if work.kernel[n] > 0.0:
+            total += visits[work.ids[n], action]
+    return total

@@ -9,7 +9,7 @@ from ao2viz.core.columns import Columns, distance
 from ao2viz.core.compiled import compiled
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION
-from ao2viz.core.experience import Experience, predict
+from ao2viz.core.experience import Experience, count_visits, predict
 from ao2viz.core.inference import find_shares
 from ao2viz.core.local_linear import Workspace
 
@@ -77,6 +77,63 @@ def allocate_imagination(capacity: int, n_actions: int, ends: int) -> Imaginatio
     )
 
 
+class Trail(NamedTuple):
+    """Room for the first `L` repetitions of one imagined story; L may be 0."""
+
+    states: NDArray[np.float64]  # [L, D] after each, scaled by attention.
+    rewards: NDArray[np.float64]  # [L] of each, not discounted.
+    endings: NDArray[np.float64]  # [L] chance that the task ends in it, if it comes to it.
+    visits: NDArray[np.int64]  # [L] how often the action was tried by those it rests on.
+
+
+@compiled
+def allocate_trail(room: int, n_features: int) -> Trail:
+    """A trail for so many repetitions."""
+    return Trail(
+        np.empty((room, n_features)), np.empty(room), np.empty(room), np.empty(room, np.int64)
+    )
+
+
+@compiled
+def repeat(
+    columns: Columns,
+    experience: Experience,
+    option: int,
+    action: int,
+    rules: Rules,
+    work: Workspace,
+    trail: Trail,
+) -> tuple[int, float, float]:
+    """Repeats an action from an option's value until it is left behind.
+
+    That is an option in the sense of Sutton, Precup and Singh (1999), its length found by itself.
+    Returns the repetitions, what they earn (discounted) and how much what comes after counts;
+    where it ends stays in `work.state`.
+    """
+    n_features = columns.scaled.shape[1]
+    state = work.state
+    state[:] = columns.scaled[option]
+    reward, discount = 0.0, 1.0
+    steps = 0
+    while steps < rules.imagine_limit:
+        count = predict(columns, experience, state, action, rules.radius, rules.effect_ridge, work)
+        if count == 0:
+            break
+        for d in range(n_features):
+            state[d] += work.effect[d]
+        if steps < trail.rewards.shape[0]:
+            trail.states[steps] = state
+            trail.rewards[steps] = work.effect[n_features]
+            trail.endings[steps] = work.effect[n_features + 1]
+            trail.visits[steps] = count_visits(columns.visits, action, count, work)
+        steps += 1
+        reward += discount * work.effect[n_features]
+        discount *= rules.gamma * (1.0 - work.effect[n_features + 1])
+        if distance(columns.scaled, option, state) > _LEAVES_AT * rules.radius:
+            break
+    return steps, float(reward), float(discount)
+
+
 @compiled
 def imagine(
     columns: Columns,
@@ -87,31 +144,15 @@ def imagine(
     rules: Rules,
     work: Workspace,
 ) -> None:
-    """Repeats an action from an option's value until it is left behind.
-
-    That is an option in the sense of Sutton, Precup and Singh (1999), its length found by itself.
-    """
-    n_features = columns.scaled.shape[1]
-    state = work.state
-    state[:] = columns.scaled[option]
-    reward, discount = 0.0, 1.0
-    steps = 0
-    while steps < rules.imagine_limit:
-        if not predict(columns, experience, state, action, rules.radius, rules.effect_ridge, work):
-            break
-        steps += 1
-        reward += discount * work.effect[n_features]
-        discount *= rules.gamma * (1.0 - work.effect[n_features + 1])
-        for d in range(n_features):
-            state[d] += work.effect[d]
-        if distance(columns.scaled, option, state) > _LEAVES_AT * rules.radius:
-            break
+    """Imagines anew what repeating an action leads to, and keeps it as the option's story."""
+    nothing = allocate_trail(0, columns.scaled.shape[1])
+    steps, reward, discount = repeat(columns, experience, option, action, rules, work, nothing)
     imagination.steps[option, action] = steps
     imagination.reward[option, action] = reward
     imagination.discount[option, action] = discount
     if steps == 0:
         return
-    count = find_shares(columns, state, rules.share_ridge, False, work)
+    count = find_shares(columns, work.state, rules.share_ridge, False, work)
     kept = 0
     for n in range(count):
         if work.shares[n] > 0.0:

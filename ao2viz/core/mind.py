@@ -2,6 +2,7 @@
 
 import contextlib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -11,9 +12,9 @@ from ao2viz.core.columns import Columns
 from ao2viz.core.compiled import compiled
 from ao2viz.core.config import AnticipatingConfig, Config
 from ao2viz.core.decision import DecideBy, Decision
-from ao2viz.core.experience import Experience
+from ao2viz.core.experience import Experience, count_visits, predict
 from ao2viz.core.forest import Forest, ForestView
-from ao2viz.core.imagination import Imagination, Rules, rules_of
+from ao2viz.core.imagination import Imagination, Rules, allocate_trail, repeat, rules_of
 from ao2viz.core.index import forget_option, index_option
 from ao2viz.core.inference import (
     Reading,
@@ -21,6 +22,7 @@ from ao2viz.core.inference import (
     count_ends,
     count_speakers,
     decide,
+    find_shares,
     look_around,
 )
 from ao2viz.core.local_linear import Workspace, make_workspace
@@ -44,6 +46,27 @@ class Known(NamedTuple):
     experience: Experience
     imagination: Imagination
     rules: Rules
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """What an agent expects of one step of the environment."""
+
+    after: NDArray[np.float64]  # [D] environment units.
+    reward: float
+    ending: float  # Chance that the task ends in this step.
+    visits: int  # How often the action was tried by the options that this rests on.
+
+
+@dataclass(frozen=True, eq=False)
+class Story:
+    """What repeating an action at an option is imagined to lead to; see `imagination`."""
+
+    steps: tuple[Step, ...]  # Empty: what the action does is unknown.
+    reward: float  # Discounted sum.
+    discount: float  # Of what comes after.
+    end_ids: NDArray[np.int64]  # [K] options where it ends.
+    end_shares: NDArray[np.float64]  # [K] their say there, as it is kept: in single precision.
 
 
 class Mind:
@@ -159,6 +182,71 @@ class Mind:
             return np.array([option], np.int64)
         wanted = count_speakers(self.config.voters, self.forest.n_features)
         return self.forest.nearest(self.view.values[option], wanted)[0]
+
+    def expect(self, observation: NDArray[np.float64], action: int) -> Step | None:
+        """What an action would do at an observation [D]; None if it does not know.
+
+        Raises:
+            ValueError: If this mind has not learned what follows an action.
+        """
+        known = self._known()
+        columns, rules, work = self.forest.columns, known.rules, self.work
+        state = self.view.attention * observation
+        count = predict(
+            columns, known.experience, state, action, rules.radius, rules.effect_ridge, work
+        )
+        if count == 0:
+            return None
+        *moved, reward, ending = work.effect.tolist()
+        visits = count_visits(columns.visits, action, count, work)
+        return Step(self._unscaled(state + moved, observation), reward, ending, int(visits))
+
+    def retell(self, option: int, action: int) -> Story:
+        """Imagines the story of an option and action anew, from experience as it is now.
+
+        Raises:
+            ValueError: If this mind has not learned what follows an action.
+        """
+        known = self._known()
+        columns, rules, work = self.forest.columns, known.rules, self.work
+        trail = allocate_trail(rules.imagine_limit, self.forest.n_features)
+        count, reward, discount = repeat(
+            columns, known.experience, option, action, rules, work, trail
+        )
+        value = self.view.values[option]
+        steps = tuple(
+            Step(
+                self._unscaled(trail.states[n], value),
+                float(trail.rewards[n]),
+                float(trail.endings[n]),
+                int(trail.visits[n]),
+            )
+            for n in range(count)
+        )
+        ends = find_shares(columns, work.state, rules.share_ridge, False, work) if count else 0
+        has_say = work.shares[:ends] > 0
+        return Story(
+            steps,
+            reward,
+            discount,
+            work.ids[:ends][has_say],
+            work.shares[:ends][has_say].astype(np.float32).astype(np.float64),
+        )
+
+    def _known(self) -> Known:
+        if self.known is None:
+            raise ValueError(
+                "Expected an agent that has learned what follows an action, as those of the "
+                "anticipating preset do; this one imagines nothing."
+            )
+        return self.known
+
+    def _unscaled(
+        self, state: NDArray[np.float64], before: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """A scaled state in environment units; what has never varied stays as it was before."""
+        attention, after = self.view.attention, np.array(before, np.float64)
+        return np.divide(state, attention, out=after, where=attention > 0)
 
     @contextlib.contextmanager
     def muted(self, option: int) -> Iterator[None]:

@@ -1,12 +1,14 @@
 """Any explanation in plain sentences, by its kind."""
 
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.ahead import Ahead, tell_ahead
 from ao2viz.explain.contrast import WhyNot, tell_why_not
 from ao2viz.explain.flips import Flips, tell_flips
 from ao2viz.explain.nearest import NearestFlip, tell_nearest
+from ao2viz.explain.origin import Origin, tell_origin
 from ao2viz.explain.why import Why, tell_why
 
-Told = Why | WhyNot | Flips | NearestFlip
+Told = Why | WhyNot | Flips | NearestFlip | Ahead | Origin
 """Every kind of explanation."""
 
 
@@ -21,3 +23,7 @@ def tell(told: Told, spec: TaskSpec) -> tuple[str, ...]:
             return tell_flips(told, spec)
         case NearestFlip():
             return tell_nearest(told, spec)
+        case Ahead():
+            return tell_ahead(told, spec)
+        case Origin():
+            return tell_origin(told, spec)
