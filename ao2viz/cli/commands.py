@@ -8,6 +8,7 @@ import typer
 from ao2viz.cli.console import say
 from ao2viz.core.config import Preset
 from ao2viz.experiments.clusters import Cluster
+from ao2viz.explain.questions import Question
 from ao2viz.exports.registry import Format
 from ao2viz.extras import need
 
@@ -286,6 +287,45 @@ def export(
         env=env,
         as_json=as_json,
     )
+
+
+@app.command()
+def explain(
+    file: AgentFile,
+    question: Annotated[
+        Question, typer.Argument(help="What to ask; docs/explanations.md says what each proves.")
+    ] = Question.WHY,
+    episode: Annotated[
+        int | None,
+        typer.Option(min=0, help="The recorded episode, counted from 0; otherwise the latest."),
+    ] = None,
+    step: Annotated[
+        int | None, typer.Option(min=0, help="Its step, counted from 0; otherwise the first.")
+    ] = None,
+    observation: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,…", help="Ask about what it would do, seeing this, instead."),
+    ] = None,
+    action: Annotated[
+        str | None,
+        typer.Option(help="The action that why-not and weight are about: its name or number."),
+    ] = None,
+    option: Annotated[
+        int | None,
+        typer.Option(min=0, help="The option that weight is about; otherwise who decided."),
+    ] = None,
+    steps: Annotated[int, typer.Option(min=1, max=1000, help="How far ahead looks.")] = 50,
+    time_limit: Annotated[
+        float, typer.Option(min=0.0, help="Seconds that nearest-flip may search.")
+    ] = 30.0,
+    env: Env = None,
+    as_json: Json = False,
+) -> None:
+    """Say why an agent decided as it did, what would have changed it, and where it leads."""
+    from ao2viz.cli.explaining import Asked, run  # noqa: PLC0415 -- heavy.
+
+    asked = Asked(episode, step, observation, action, option, steps, time_limit)
+    run(file, question, asked, env=env, as_json=as_json)
 
 
 @app.command()

@@ -167,13 +167,13 @@ def tell_parts(why: Why, spec: TaskSpec, action: int) -> str:
         return (
             f"{capitalised(names[action])}: {number(part.outlook)}; its option is no longer there."
         )
-    text = f"{capitalised(names[action])}: the option's own weight {number(part.own)}"
+    text = f"{capitalised(names[action])}: the option's own weight {number(part.own, 5)}"
     if decision.slopes.any() or part.evened:
         text += f", {signed(part.evened)} from its neighbours"
         for d in np.argsort(-np.abs(part.offsets), kind="stable").tolist():
             if part.offsets[d]:
                 text += f", {signed(part.offsets[d])} for {_offset(float(why.offset[d]), spec, d)}"
-    return f"{text}: {number(part.outlook)}."
+    return f"{text}: {number(part.outlook, 5)}."
 
 
 def _offset(gap: float, spec: TaskSpec, d: int) -> str:

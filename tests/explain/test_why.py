@@ -79,10 +79,10 @@ def test_a_path_is_told_with_what_each_offset_adds() -> None:
         "similar, 1, is 0.200 further away."
     )
     assert told[2] == (
-        "Push right: the option's own weight 92.2, +0.0500 from its neighbours, +1.20 for 1.15° "
-        "more pole angle: 93.5."
+        "Push right: the option's own weight 92.250, +0.0500 from its neighbours, +1.20 for 1.15° "
+        "more pole angle: 93.500."
     )
-    assert told[3].startswith("Push left: the option's own weight 90.5, −0.700 from its")
+    assert told[3].startswith("Push left: the option's own weight 90.500, −0.700 from its")
 
 
 def test_a_vote_is_told_by_its_loudest_voters() -> None:

@@ -1,0 +1,186 @@
+"""`ao2viz explain`: one question about one decision, answered in sentences, a table or JSON."""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from rich.progress import Progress, SpinnerColumn, TextColumn
+
+from ao2viz.agent import AO2
+from ao2viz.cli.console import say, show_json, stderr
+from ao2viz.cli.explanation_tables import show_tables
+from ao2viz.core.decision import Decision
+from ao2viz.core.forest import ForestView
+from ao2viz.envs.task import to_observation
+from ao2viz.explain.nearest import NearestFlip
+from ao2viz.explain.plain import to_plain
+from ao2viz.explain.questions import Question
+from ao2viz.explain.telling import Told
+from ao2viz.explain.words import amounts, number, percent
+from ao2viz.explanations import Explainer
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What came with the question; None where nothing was said."""
+
+    episode: int | None = None  # Recorded, counted from 0.
+    step: int | None = None
+    observation: str | None = None  # Numbers with commas, environment units.
+    action: str | None = None  # Name or index.
+    option: int | None = None
+    steps: int = 50
+    time_limit_s: float = 30.0
+
+
+def run(file: Path, question: Question, asked: Asked, *, env: str | None, as_json: bool) -> None:
+    """Answers one question.
+
+    Raises:
+        ValueError: If the file is no agent, or the question does not fit it.
+    """
+    agent = AO2.load(file, env)
+    explain = agent.explain
+    situation = None
+    if question is not Question.WEIGHT or asked.option is None:
+        situation = find_situation(agent, explain, asked)
+    answer = _answer(explain, question, asked, situation)
+    if as_json:
+        show_json(
+            {
+                "file": str(file),
+                "environment": agent.spec.env_id,
+                "question": question.value,
+                "features": [feature.name for feature in agent.spec.features],
+                "actions": list(agent.spec.action_names),
+                "answer": to_plain(answer),
+                "sentences": explain.tell(answer).splitlines(),
+            }
+        )
+        return
+    if situation is not None:
+        shown = zip(agent.spec.features, amounts(situation.observation, agent.spec), strict=True)
+        say("Seen: " + ", ".join(f"{feature.name} {text}" for feature, text in shown) + ".")
+    for line in explain.tell(answer).splitlines():
+        say(line)
+    show_tables(answer, agent.spec)
+
+
+def find_situation(agent: AO2, explain: Explainer, asked: Asked) -> Decision:
+    """The decision that is asked about: a recorded one, or what it would do at an observation.
+
+    Raises:
+        ValueError: If there is none.
+    """
+    if asked.observation is not None:
+        if asked.episode is not None or asked.step is not None:
+            raise ValueError("Give either --observation, or --episode and --step.")
+        return explain.mind.decide(_read_observation(asked.observation, agent))
+    if not agent.episodes:
+        raise ValueError(
+            "This agent has no recorded episode to ask about; give an --observation, or record "
+            "one with ao2viz record."
+        )
+    episode = len(agent.episodes) - 1 if asked.episode is None else asked.episode
+    if episode >= len(agent.episodes):
+        raise ValueError(
+            f"There is no recorded episode {episode}; they go from 0 to {len(agent.episodes) - 1}."
+        )
+    decisions = agent.episodes[episode].decisions
+    step = 0 if asked.step is None else asked.step
+    if step >= len(decisions):
+        raise ValueError(
+            f"There is no step {step} in episode {episode}; they go from 0 to {len(decisions) - 1}."
+        )
+    return decisions[step]
+
+
+def _read_observation(text: str, agent: AO2) -> np.ndarray:
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        raise ValueError(
+            f"Expected --observation as numbers with commas between, such as 0,0,0.05,0, but got "
+            f"{text!r}."
+        ) from None
+    return to_observation(numbers, agent.spec)
+
+
+def _answer(
+    explain: Explainer, question: Question, asked: Asked, situation: Decision | None
+) -> Told:
+    match question:
+        case Question.WEIGHT:
+            option, action = _weight_asked(explain.mind.view, asked, situation)
+            return explain.weight(option, to_action(explain, action))
+    assert situation is not None  # Only a weight can be asked without one.
+    match question:
+        case Question.WHY:
+            return explain.why(situation)
+        case Question.WHY_NOT:
+            if asked.action is None:
+                names = ", ".join(explain.spec.action_names)
+                raise ValueError(
+                    f"Why not which action? Name it with --action; there are: {names}."
+                )
+            return explain.why_not(situation, to_action(explain, asked.action))
+        case Question.FLIP:
+            return explain.flips(situation)
+        case Question.NEAREST_FLIP:
+            return _search(explain, situation, asked.time_limit_s)
+        case Question.AHEAD:
+            return explain.ahead(situation, asked.steps)
+
+
+def to_action(explain: Explainer, text: str) -> int:
+    """An action's index from what was typed: its name, or its index.
+
+    Raises:
+        ValueError: If there is no such action.
+    """
+    is_index = text.isdecimal() and text not in explain.spec.action_names
+    return explain.action(int(text) if is_index else text)
+
+
+def _weight_asked(view: ForestView, asked: Asked, situation: Decision | None) -> tuple[int, str]:
+    """Which weight is meant: that of the option and action named, else of who decided."""
+    option, action = asked.option, asked.action
+    if option is None:
+        assert situation is not None
+        if len(situation.voters) == 0:
+            raise ValueError("No option decided there; name one with --option.")
+        option = int(situation.voters[0])
+    if action is None:
+        known = 0 <= option < len(view.weights)
+        best = int(np.argmax(view.weights[option])) if known else 0
+        action = str(best if situation is None else situation.action)
+    return option, action
+
+
+def _search(explain: Explainer, situation: Decision, time_limit_s: float) -> NearestFlip:
+    """Searches with a line of progress; Ctrl-C ends the search and gives what it has."""
+    console = stderr()
+    with Progress(
+        SpinnerColumn(),
+        TextColumn("{task.description}"),
+        console=console,
+        disable=not console.is_terminal,
+        transient=True,
+    ) as progress:
+        task = progress.add_task("Searching …", total=None)
+        search = explain.nearest_flip_in_background(situation, time_limit_s)
+        while not search.is_done:
+            try:
+                return search.result(0.1)
+            except TimeoutError:
+                latest = search.latest
+            except KeyboardInterrupt:
+                search.cancel()
+                return search.result()
+            if latest is not None:
+                progress.update(
+                    task,
+                    description=f"Nearest so far {number(latest.distance)}, none nearer than "
+                    f"{number(latest.bound)} (gap {percent(latest.gap)}) …",
+                )
+        return search.result()
