@@ -8,7 +8,7 @@ _EXTRAS: Mapping[str, tuple[str, ...]] = {
     "experiments": ("joblib", "pyarrow", "scipy"),
     "dask": ("distributed",),
     "ray": ("ray",),
-    "exports": ("pyarrow",),
+    "exports": ("av", "pyarrow", "sklearn"),
     "explain": ("scipy",),
 }
 

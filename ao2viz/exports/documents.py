@@ -99,6 +99,7 @@ def _episode(content: Content, numbered: Numbered, total: int) -> dict[str, Any]
         "terminated": episode.terminated,
         "truncated": episode.truncated,
         "is_training": episode.is_training,
+        "action_smoothing": episode.action_smoothing,
         "started_at": episode.started_at,
         "steps": steps,
         "final_observation": episode.observations[-1].tolist(),

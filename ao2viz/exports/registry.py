@@ -8,6 +8,7 @@ from typing import IO
 
 from ao2viz.exports.content import Content
 from ao2viz.exports.documents import write_json
+from ao2viz.exports.films import write_gif, write_mp4
 from ao2viz.exports.graphs import (
     write_cytoscape,
     write_dot,
@@ -24,6 +25,7 @@ from ao2viz.exports.images import (
 from ao2viz.exports.pages import write_latex, write_markdown
 from ao2viz.exports.policy import write_policy
 from ao2viz.exports.report import write_report
+from ao2viz.exports.rules import write_rules
 from ao2viz.exports.tables import write_parquet, write_paths_csv, write_steps_csv
 
 
@@ -43,10 +45,13 @@ class Format(Enum):
     CYTOSCAPE = "cytoscape"
     NODE_LINK = "node-link"
     POLICY = "policy"
+    RULES = "rules"
     SVG = "svg"
     PNG = "png"
     PATH_SVG = "path-svg"
     PATH_PNG = "path-png"
+    MP4 = "mp4"
+    GIF = "gif"
 
 
 @dataclass(frozen=True)
@@ -88,10 +93,13 @@ EXPORTERS: Mapping[Format, Exporter] = {
     Format.CYTOSCAPE: FileExporter(".json", "the forest for Cytoscape", write_cytoscape),
     Format.NODE_LINK: FileExporter(".json", "the forest for D3 and networkx", write_node_link),
     Format.POLICY: FileExporter(".py", "the policy as code that needs numpy alone", write_policy),
+    Format.RULES: FileExporter(".txt", "IF-THEN rules, simplified", write_rules, ("sklearn",)),
     Format.SVG: FileExporter(".svg", "the forest, with the path of a step", write_forest_svg),
     Format.PNG: FileExporter(".png", "the forest, with the path of a step", write_forest_png),
     Format.PATH_SVG: FileExporter(".svg", "the path of a step, as a stack", write_path_svg),
     Format.PATH_PNG: FileExporter(".png", "the path of a step, as a stack", write_path_png),
+    Format.MP4: FileExporter(".mp4", "an episode beside its paths, as a film", write_mp4, ("av",)),
+    Format.GIF: FileExporter(".gif", "an episode beside its paths, as a film", write_gif),
 }
 
 

@@ -4,16 +4,14 @@ import io
 from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from ao2viz.envs.motion import Motion
-from ao2viz.envs.task import TaskSpec, make_env
+from ao2viz.envs.task import TaskSpec
 from ao2viz.recording.episode import Episode
-from ao2viz.training.loop import reset, step
+from ao2viz.training.replay import replay_pictures
 
 SIZE = (420, 280)
 """Pixels; the picture is shown about 280 wide, on screens with up to two pixels to a point."""
@@ -104,31 +102,9 @@ def _turn_dark(pixels: NDArray[np.uint8]) -> NDArray[np.uint8]:
 
 def _draw_reel(reel: _Reel, spec: TaskSpec) -> None:
     try:
-        for pixels in _replay(reel, spec):
+        for pixels in replay_pictures(reel.episode, spec):
             if not reel.is_wanted:
                 return
             reel.frames.append(encode(pixels))
     except Exception as error:  # Whatever a stranger's environment raises is shown in words.
         reel.problem = f"No picture: {error}"
-
-
-def _replay(reel: _Reel, spec: TaskSpec) -> Any:
-    """Yields the pixels of every step; stops where the environment no longer repeats itself."""
-    episode = reel.episode
-    env = make_env(episode.env_id, render=True)
-    try:
-        if env.render_mode != "rgb_array":
-            raise ValueError(f"{episode.env_id} cannot draw itself.")
-        motion = Motion(spec, episode.action_smoothing)
-        observation = reset(env, spec, episode.seed)
-        for t in range(len(episode) + 1):
-            if t > 0:
-                observation = step(env, spec, motion, int(episode.actions[t - 1]))[0]
-            if not np.allclose(observation, episode.observations[t], rtol=1e-6, atol=1e-9):
-                raise ValueError(
-                    f"{episode.env_id} no longer repeats this recording: step {t} came out "
-                    f"differently. It may be another version."
-                )
-            yield np.asarray(env.render())
-    finally:
-        env.close()
