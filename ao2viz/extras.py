@@ -8,7 +8,7 @@ _EXTRAS: Mapping[str, tuple[str, ...]] = {
     "experiments": ("joblib", "pyarrow", "scipy"),
     "dask": ("distributed",),
     "ray": ("ray",),
-    "exports": ("av", "pyarrow", "sklearn"),
+    "exports": ("av", "minari", "pyarrow", "sklearn", "tensorboardX"),
     "explain": ("scipy",),
 }
 

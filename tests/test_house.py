@@ -53,6 +53,8 @@ HOMES = {
     "torch": set(),
     "stable_baselines3": set(),
     "av": {"exports"},
+    "minari": {"exports"},
+    "tensorboardX": {"exports"},
     "sklearn": {"exports"},
     "scipy": {"experiments", "explain"},
     "pyarrow": {"experiments", "exports"},

@@ -24,6 +24,7 @@ from ao2viz.exports.images import (
 )
 from ao2viz.exports.pages import write_latex, write_markdown
 from ao2viz.exports.policy import write_policy
+from ao2viz.exports.records import fill_minari, fill_tensorboard
 from ao2viz.exports.report import write_report
 from ao2viz.exports.rules import write_rules
 from ao2viz.exports.tables import write_parquet, write_paths_csv, write_steps_csv
@@ -52,6 +53,8 @@ class Format(Enum):
     PATH_PNG = "path-png"
     MP4 = "mp4"
     GIF = "gif"
+    MINARI = "minari"
+    TENSORBOARD = "tensorboard"
 
 
 @dataclass(frozen=True)
@@ -100,6 +103,12 @@ EXPORTERS: Mapping[Format, Exporter] = {
     Format.PATH_PNG: FileExporter(".png", "the path of a step, as a stack", write_path_png),
     Format.MP4: FileExporter(".mp4", "an episode beside its paths, as a film", write_mp4, ("av",)),
     Format.GIF: FileExporter(".gif", "an episode beside its paths, as a film", write_gif),
+    Format.MINARI: FolderExporter(
+        "recorded episodes as a data set", fill_minari, ("minari", "pyarrow")
+    ),
+    Format.TENSORBOARD: FolderExporter(
+        "training and episodes as scalars", fill_tensorboard, ("tensorboardX",)
+    ),
 }
 
 

@@ -85,6 +85,23 @@ def test_nothing_is_replaced_unless_asked(cartpole: SavedAgent, write: Export) -
         write(cartpole, "json", overwrite=True)
 
 
+@pytest.mark.parametrize(
+    "format", [f.value for f, exporter in EXPORTERS.items() if exporter.libraries]
+)
+def test_a_missing_library_is_told_with_the_extra_that_brings_it(
+    cartpole: SavedAgent,
+    write: Export,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    format: str,
+) -> None:
+    for library in EXPORTERS[Format(format)].libraries:
+        monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(ValueError, match=r"pip install 'ao2viz\[exports\]'"):
+        write(cartpole, format)
+    assert list(tmp_path.iterdir()) == []
+
+
 STEPPED = [
     format.value
     for format, exporter in EXPORTERS.items()
