@@ -49,14 +49,14 @@ def write_steps_csv(content: Content, stream: IO[bytes]) -> None:
         ]
         for episode, step in content.all_steps()
     )
-    _write(stream, head, rows)
+    write_rows(stream, head, rows)
 
 
 def write_paths_csv(content: Content, stream: IO[bytes]) -> None:
     """One row for each option on each path of each step, the path of the most similar first."""
     content.need_episodes()
     head = [*("episode", "step", "voter", "share", "position", "option", "distance"), "action name"]
-    _write(stream, head, _path_rows(content))
+    write_rows(stream, head, _path_rows(content))
 
 
 def write_parquet(content: Content, stream: IO[bytes]) -> None:
@@ -141,7 +141,7 @@ def _path_rows(content: Content) -> Iterator[list[Any]]:
                 ]
 
 
-def _write(stream: IO[bytes], head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
+def write_rows(stream: IO[bytes], head: Sequence[str], rows: Iterable[Sequence[Any]]) -> None:
     """Writes UTF-8 with the mark that table programs need to see that it is."""
     text = io.TextIOWrapper(stream, "utf-8-sig", newline="", write_through=True)
     writer = csv.writer(text)

@@ -1,5 +1,8 @@
 """How training went, and what an option expects: plotly figures that read on dark and on light."""
 
+from enum import Enum
+from typing import assert_never
+
 import numpy as np
 import plotly.graph_objects as go
 from numpy.typing import NDArray
@@ -10,21 +13,58 @@ from ao2viz.figures.palette import ACTIONS, action_colors, to_hex
 MAX_POINTS = 2_000
 """More points than a chart has pixels are thinned out."""
 
-_SMOOTH_EPISODES = 20
+SMOOTH_EPISODES = 20
+"""The running mean is over so many episodes unless asked otherwise."""
+
 _INK = "#8b95a5"  # Readable on #1a1d24 and on white alike.
 _GRID = "rgba(139,149,165,0.22)"
 
 
-def returns_figure(history: NDArray[np.float64], spec: TaskSpec | None) -> go.Figure:
-    """Return of each training episode over the agent's steps, and its running mean.
+class Over(Enum):
+    """What training is measured by; the values are what people read."""
+
+    STEPS = "steps"
+    EPISODES = "episodes"
+    SECONDS = "seconds"
+
+
+def places_on(
+    over: Over, history: NDArray[np.float64], seconds: NDArray[np.float64] | None = None
+) -> NDArray[np.float64]:
+    """[E] where each training episode stands on the axis; NaN if nobody knows."""
+    match over:
+        case Over.STEPS:
+            return history[:, 0]
+        case Over.EPISODES:
+            return np.arange(1.0, len(history) + 1)
+        case Over.SECONDS:
+            places = np.full(len(history), np.nan)
+            known = seconds[: len(history)] if seconds is not None else places[:0]
+            places[: len(known)] = known
+            return places
+        case _:
+            assert_never(over)
+
+
+def returns_figure(
+    history: NDArray[np.float64],
+    spec: TaskSpec | None,
+    over: Over = Over.STEPS,
+    seconds: NDArray[np.float64] | None = None,
+    smoothing: int = SMOOTH_EPISODES,
+) -> go.Figure:
+    """Return of each training episode, and its running mean.
 
     Args:
         history: [E, 4] as in `History`.
         spec: Adds the paper's score and the mark people call solved, where they are known.
+        over: What the episodes stand over.
+        seconds: [E] when each ended; only needed over seconds.
+        smoothing: Episodes in the running mean; 1 leaves it out.
     """
-    figure = _frame("steps", "return")
-    steps, returns = history[:, 0], history[:, 1]
-    smooth = _running_mean(returns, _SMOOTH_EPISODES)
+    figure = _frame(_AXES[over], "return")
+    steps, returns = places_on(over, history, seconds), history[:, 1]
+    smooth = _running_mean(returns, smoothing)
     shown = _thin(len(steps))
     line = {"color": to_hex(ACTIONS[0])}
     figure.add_scatter(
@@ -36,25 +76,30 @@ def returns_figure(history: NDArray[np.float64], spec: TaskSpec | None) -> go.Fi
         marker={"size": 3},
         opacity=0.45,
     )
-    figure.add_scatter(
-        x=steps[shown],
-        y=smooth[shown],
-        name=f"mean of {_SMOOTH_EPISODES}",
-        mode="lines",
-        line={"color": to_hex(ACTIONS[1]), "width": 2.5},
-    )
+    if smoothing > 1:
+        figure.add_scatter(
+            x=steps[shown],
+            y=smooth[shown],
+            name=f"mean of {smoothing}",
+            mode="lines",
+            line={"color": to_hex(ACTIONS[1]), "width": 2.5},
+        )
     if spec is not None:
         _mark(figure, spec.entry.solved_at, "solved", "dash")
         _mark(figure, spec.entry.paper_score, "paper", "dot")
     return figure
 
 
-def options_figure(history: NDArray[np.float64]) -> go.Figure:
-    """Living options at the end of each training episode, over the agent's steps."""
-    figure = _frame("steps", "options")
+def options_figure(
+    history: NDArray[np.float64],
+    over: Over = Over.STEPS,
+    seconds: NDArray[np.float64] | None = None,
+) -> go.Figure:
+    """Living options at the end of each training episode; see `returns_figure`."""
+    figure = _frame(_AXES[over], "options")
     shown = _thin(len(history))
     figure.add_scatter(
-        x=history[shown, 0],
+        x=places_on(over, history, seconds)[shown],
         y=history[shown, 3],
         name="options",
         mode="lines",
@@ -104,6 +149,13 @@ def weights_figure(
     figure.update_layout(showlegend=False)
     figure.update_yaxes(autorange="reversed")
     return figure
+
+
+_AXES = {
+    Over.STEPS: "steps",
+    Over.EPISODES: "episodes",
+    Over.SECONDS: "seconds of training, without pauses",
+}
 
 
 def style(figure: go.Figure, x: str, y: str) -> None:

@@ -33,6 +33,7 @@ class RunUpdate:
     episode_reward: float = 0.0  # Of the episode under way.
     episode_step: int = 0
     history: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 4)))
+    seconds: NDArray[np.float64] = field(default_factory=lambda: np.empty(0))  # As `Stopwatch`.
     forest: ForestView | None = None
     decision: Decision | None = None  # The latest.
     frame: bytes | None = None  # JPEG of the environment after the latest step, if it draws.

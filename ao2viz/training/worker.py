@@ -28,6 +28,7 @@ from ao2viz.training.states import (
     Step,
     Stop,
 )
+from ao2viz.training.stopwatch import Stopwatch
 from ao2viz.training.updates import RunUpdate
 from ao2viz.training.warmup import warm_up
 
@@ -74,6 +75,7 @@ class Worker:
         self._single_steps = 0  # Asked for while paused and not taken yet.
         self._pauses_at_end = False  # Holds when the episode ends.
         self._first_step = 0
+        self._watch = Stopwatch()
         self._speed: float | None = None
         self._throttle = (0.0, 0)  # When and at which step throttling began.
         self._pace: deque[tuple[float, int]] = deque()  # (time, step) while running.
@@ -133,7 +135,11 @@ class Worker:
             return 0.0
         try:
             if self._status is RunStatus.RUNNING:
-                return self._train(budget_s)
+                self._watch.start(self._clock())
+                try:
+                    return self._train(budget_s)
+                finally:
+                    self._watch.stop(self._clock())
             if self._status is RunStatus.PAUSED and self._single_steps:
                 self._take_single_step()
                 return 0.0
@@ -172,6 +178,7 @@ class Worker:
             episode_reward=stepper.episode_reward,
             episode_step=stepper.episode_step,
             history=agent.history.to_array(),
+            seconds=self._watch.marks,
             forest=agent.forest,
             decision=None if stepper.last is None else stepper.last.decision,
             frame=self._draw(),
@@ -200,6 +207,7 @@ class Worker:
         self._start = start
         self._run_id += 1
         self._first_step = agent.num_timesteps
+        self._watch = Stopwatch(len(agent.history))
         self._single_steps, self._pauses_at_end = 0, False
         self._frame, self._framed_at, self._draws = None, -1, True
 
@@ -252,7 +260,10 @@ class Worker:
     def _take_step(self) -> bool:
         """Whether the episode ended with it."""
         assert self._stepper is not None
-        return self._stepper.step().has_ended
+        has_ended = self._stepper.step().has_ended
+        if has_ended:
+            self._watch.mark(self._clock())
+        return has_ended
 
     def _finish(self) -> None:
         agent = self._require_agent()

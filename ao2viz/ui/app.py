@@ -20,11 +20,12 @@ from ao2viz.training.states import RunStatus, Start
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.browser import Browser
 from ao2viz.ui.commands import Connect, Disconnect, Select
+from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.frames import FrameStore
 from ao2viz.ui.gallery import Gallery
 from ao2viz.ui.inbox import Inbox
 from ao2viz.ui.library import Library
-from ao2viz.ui.reduce import Effect, Notify, PickOption, advance, follow, reduce
+from ao2viz.ui.reduce import Effect, PickOption, advance, follow, reduce
 from ao2viz.ui.security import make_server, make_token
 from ao2viz.ui.session import Form, Session
 from ao2viz.ui.stage import Stage
@@ -228,6 +229,8 @@ class Dashboard:
         match effect:
             case Notify():
                 self._browsers[client_id].notify(effect)
+            case SaveFile():
+                self._browsers[client_id].hand_over(effect)
             case PickOption(pick):
                 option = self._browsers[client_id].pick(pick.origin, pick.direction)
                 if option != NO_OPTION:

@@ -4,6 +4,7 @@ import viser
 
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.ui.camera import Eye
+from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.frames import FrameStore, refit
 from ao2viz.ui.gallery import Gallery, PictureKey
 from ao2viz.ui.inbox import Inbox, on_canvas_click
@@ -16,7 +17,6 @@ from ao2viz.ui.panels.inspect import InspectPanel
 from ao2viz.ui.panels.legend import LegendPanel
 from ao2viz.ui.panels.watch import WatchPanel
 from ao2viz.ui.picture import Picture
-from ao2viz.ui.reduce import Notify
 from ao2viz.ui.scene import Canvas
 from ao2viz.ui.stage import Stage
 from ao2viz.ui.view import View
@@ -41,7 +41,7 @@ class Browser:
             with stage.forest:
                 self._forest = ForestPanel(gui, me, inbox)
             with stage.charts:
-                self._charts = ChartsPanel(gui)
+                self._charts = ChartsPanel(gui, me, inbox)
             self._legend = LegendPanel(gui, me, inbox)
         self._canvas = Canvas(client)
         self._eye = Eye(client.camera)
@@ -69,6 +69,10 @@ class Browser:
     def pick(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> int:
         """The option under a click; NO_OPTION if there is none."""
         return NO_OPTION if self._picture is None else self._picture.pick(origin, direction)
+
+    def hand_over(self, file: SaveFile) -> None:
+        """Lets the browser save a file."""
+        self._client.send_file_download(file.name, file.content, save_immediately=True)
 
     def notify(self, notice: Notify) -> None:
         """Pops up a message. Viser shows it as text, so it needs no escaping."""

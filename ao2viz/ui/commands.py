@@ -5,6 +5,7 @@ from enum import Enum
 from pathlib import Path
 
 from ao2viz.core.decision import DecideBy
+from ao2viz.figures.charts import Over
 from ao2viz.figures.coloring import Coloring
 from ao2viz.ui.look import Arrangement
 
@@ -28,6 +29,14 @@ class RunButton(Enum):
     EPISODE = "one episode"
     STOP = "stop"
     SAVE = "save"
+
+
+class Table(Enum):
+    """What can be taken away as a table; the values are what people read."""
+
+    TRAINING = "training episodes"
+    EPISODE = "steps of this episode"
+    OPTION = "weights of the selected option"
 
 
 class Way(Enum):
@@ -164,6 +173,27 @@ class LimitDepth:
 
 
 @dataclass(frozen=True)
+class ChooseOver:
+    """Draws training over something else."""
+
+    over: Over
+
+
+@dataclass(frozen=True)
+class ChooseSmoothing:
+    """Takes the running mean over so many episodes; 1 leaves it out."""
+
+    episodes: int
+
+
+@dataclass(frozen=True)
+class Download:
+    """Sends a table as CSV."""
+
+    table: Table
+
+
+@dataclass(frozen=True)
 class Fold:
     """Shows only the root of the selected option's schema, or all of it again."""
 
@@ -246,6 +276,9 @@ Command = (
     | LimitDepth
     | Fold
     | FoldAll
+    | ChooseOver
+    | ChooseSmoothing
+    | Download
     | TidyUp
     | Edit
     | Press

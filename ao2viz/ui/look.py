@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from enum import Enum
 
+from ao2viz.figures.charts import SMOOTH_EPISODES, Over
 from ao2viz.figures.coloring import Coloring
 
 
@@ -40,6 +41,14 @@ class Look:
         if self.arrangement is Arrangement.STATE_SPACE:
             return len(self.axes) < 3
         return self.arrangement is Arrangement.DISCS
+
+
+@dataclass(frozen=True)
+class ChartLook:
+    """How one browser draws the course of training."""
+
+    over: Over = Over.STEPS
+    smoothing: int = SMOOTH_EPISODES  # Episodes in the running mean.
 
 
 @dataclass(frozen=True)

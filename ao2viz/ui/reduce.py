@@ -8,11 +8,7 @@ from typing import assert_never
 import numpy as np
 
 from ao2viz.core.config import Preset
-from ao2viz.core.decision import NO_OPTION, Decision
-from ao2viz.core.forest import ForestView
-from ao2viz.envs.task import TaskSpec
-from ao2viz.recording.episode import Episode
-from ao2viz.store.saved import SavedAgent
+from ao2viz.core.decision import NO_OPTION
 from ao2viz.training.states import (
     Pause,
     Resume,
@@ -31,9 +27,12 @@ from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.commands import (
     ChooseDecideBy,
     ChooseEpisode,
+    ChooseOver,
+    ChooseSmoothing,
     ChooseSource,
     Command,
     ConfirmOverwrite,
+    Download,
     Edit,
     Field,
     Move,
@@ -45,8 +44,10 @@ from ao2viz.ui.commands import (
     SetTrainingSpeed,
     Transport,
 )
+from ao2viz.ui.downloads import Notify, SaveFile, make_table
 from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
 from ao2viz.ui.session import OTHER_ENV, Form, Session
+from ao2viz.ui.watched import agent_of, decision_of, episode_of, forest_of, spec_of
 from ao2viz.ui.world import World
 
 STEPS_PER_S = 10.0
@@ -56,22 +57,13 @@ _FILE_NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9._ -]{0,78}[A-Za-z0-9])?")
 
 
 @dataclass(frozen=True)
-class Notify:
-    """Tells the person something that has no place of its own on the screen."""
-
-    title: str
-    body: str
-    is_error: bool = False
-
-
-@dataclass(frozen=True)
 class PickOption:
     """Asks which option a ray hits; the scene knows where they stand."""
 
     pick: Pick
 
 
-Effect = RunCommand | Notify | PickOption
+Effect = RunCommand | Notify | PickOption | SaveFile
 Result = tuple[Session, tuple[Effect, ...]]
 
 
@@ -102,6 +94,12 @@ def reduce(session: Session, command: Command, world: World) -> Result:
             return session, (SetSpeed(steps_per_s),)
         case ChooseDecideBy(decide_by):
             return session, (SetDecideBy(decide_by),)
+        case ChooseOver(over):
+            return replace(session, charts=replace(session.charts, over=over)), ()
+        case ChooseSmoothing(episodes):
+            return replace(session, charts=replace(session.charts, smoothing=episodes)), ()
+        case Download(table):
+            return session, (make_table(table, session, world),)
         case _:
             return _explore(session, command, world)
 
@@ -140,22 +138,6 @@ def follow(session: Session, before: RunUpdate, now: RunUpdate) -> Session:
         return session
     latest = max(0, len(now.episode) - 1) if now.episode is not None else 0
     return replace(session, position=float(latest), is_playing=False)
-
-
-def agent_of(session: Session, world: World) -> SavedAgent | None:
-    """The saved agent that is watched, once it is open."""
-    opened = world.opened.get(session.source) if session.source is not None else None
-    return opened if isinstance(opened, SavedAgent) else None
-
-
-def episode_of(session: Session, world: World) -> Episode | None:
-    """The episode that the transport moves through; None while there is none."""
-    if session.source is None:
-        return world.update.episode
-    agent = agent_of(session, world)
-    if agent is None or not agent.episodes:
-        return None
-    return agent.episodes[min(session.episode, len(agent.episodes) - 1)]
 
 
 def _last_position(session: Session, world: World) -> int:
@@ -199,34 +181,6 @@ def _watch(session: Session, path: Path | None, world: World) -> Session:
     if path is None and world.update.episode is not None:
         return replace(session, position=float(max(0, len(world.update.episode) - 1)))
     return session
-
-
-def forest_of(session: Session, world: World) -> ForestView | None:
-    """The forest that is watched, if there is one."""
-    if session.source is None:
-        return world.update.forest
-    agent = agent_of(session, world)
-    return agent.forest_view() if agent is not None else None
-
-
-def spec_of(session: Session, world: World) -> TaskSpec | None:
-    """The task of what is watched."""
-    agent = agent_of(session, world)
-    return world.update.spec if session.source is None else agent.spec if agent else None
-
-
-def decision_of(session: Session, world: World) -> Decision | None:
-    """The decision at the place of the session; None past the end and before the first."""
-    if session.source is None and world.update.status in (
-        RunStatus.RUNNING,
-        RunStatus.PREPARING,
-    ):
-        return world.update.decision
-    episode = episode_of(session, world)
-    if episode is None:
-        return world.update.decision if session.source is None else None
-    position = min(int(session.position), len(episode))
-    return episode.decisions[position] if position < len(episode) else None
 
 
 def _explore(session: Session, command: Exploring, world: World) -> Result:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
-from ao2viz.ui.look import Look
+from ao2viz.ui.look import ChartLook, Look
 
 OTHER_ENV = "other …"
 """The choice in the list of environments that lets people type an id."""
@@ -39,6 +39,7 @@ class Session:
     play_speed: float = 1.0
     selected: int = NO_OPTION
     look: Look = field(default_factory=Look)
+    charts: ChartLook = field(default_factory=ChartLook)
     form: Form = field(default_factory=Form)
     form_source: Path | None = None  # The file whose task the form was last filled in for.
     overwrite: Path | None = None  # The file that waits for a yes before it is replaced.

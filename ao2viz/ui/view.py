@@ -13,17 +13,19 @@ from ao2viz.explain.words import count, number
 from ao2viz.recording.episode import Episode
 from ao2viz.training.states import RunStatus, SetDecideBy, accepts
 from ao2viz.training.updates import RunUpdate
-from ao2viz.ui.commands import RunButton
-from ao2viz.ui.look import Look
-from ao2viz.ui.reduce import (
+from ao2viz.ui.commands import RunButton, Table
+from ao2viz.ui.downloads import tables_of
+from ao2viz.ui.look import ChartLook, Look
+from ao2viz.ui.reduce import run_command
+from ao2viz.ui.session import Form, Session
+from ao2viz.ui.watched import (
     agent_of,
     decision_of,
     episode_of,
     forest_of,
-    run_command,
+    history_of,
     spec_of,
 )
-from ao2viz.ui.session import Form, Session
 from ao2viz.ui.world import LoadFailure, ShelfItem, World
 
 ForestKey = tuple[str, str, int]
@@ -74,6 +76,9 @@ class View:
     env_ids: tuple[str, ...]
     overwrite: Path | None
     history: NDArray[np.float64]
+    seconds: NDArray[np.float64]  # [E] when its episodes ended; shorter or empty if not known.
+    charts: ChartLook
+    downloads: frozenset[Table]
     fits: int
     focuses: int
     selection_focuses: int
@@ -126,7 +131,10 @@ def project(session: Session, world: World) -> View:
         form=session.form,
         env_ids=world.env_ids,
         overwrite=session.overwrite,
-        history=update.history if is_run else (agent.history if agent else np.empty((0, 4))),
+        history=history_of(session, world),
+        seconds=update.seconds if is_run else np.empty(0),
+        charts=session.charts,
+        downloads=tables_of(session, world),
         fits=session.fits,
         focuses=session.focuses,
         selection_focuses=session.selection_focuses,

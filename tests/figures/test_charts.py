@@ -3,8 +3,15 @@
 import colorsys
 
 import numpy as np
+import pytest
 
-from ao2viz.figures.charts import MAX_POINTS, options_figure, returns_figure, weights_figure
+from ao2viz.figures.charts import (
+    MAX_POINTS,
+    Over,
+    options_figure,
+    returns_figure,
+    weights_figure,
+)
 from ao2viz.figures.palette import ACTIONS, PATH, UNTRIED, action_colors, to_hex
 from tests.forests import cartpole, pendulum
 
@@ -97,3 +104,33 @@ def test_ordered_actions_run_from_blue_to_orange_and_many_actions_have_colours()
     assert tuple(colors[0]) == ACTIONS[0]
     assert tuple(colors[-1]) == ACTIONS[1]
     assert len(np.unique(action_colors(12, is_ordered=False), axis=0)) == 12
+
+
+@pytest.mark.parametrize(
+    ("over", "last", "title"),
+    [
+        (Over.STEPS, 600.0, "steps"),
+        (Over.EPISODES, 30.0, "episodes"),
+        (Over.SECONDS, 15.0, "seconds of training, without pauses"),
+    ],
+)
+def test_training_stands_over_steps_episodes_or_seconds(over, last, title):
+    seconds = np.arange(1, 31) / 2
+    for figure in (
+        returns_figure(history(30), None, over, seconds),
+        options_figure(history(30), over, seconds),
+    ):
+        assert figure.data[0].x[-1] == last
+        assert figure.layout.xaxis.title.text == title
+
+
+def test_what_nobody_timed_has_no_place_over_seconds():
+    figure = returns_figure(history(4), None, Over.SECONDS, np.array([np.nan, 2.0]))
+    np.testing.assert_array_equal(figure.data[0].x, [np.nan, 2.0, np.nan, np.nan])
+
+
+def test_smoothing_is_over_as_many_episodes_as_asked():
+    assert returns_figure(history(100), None, smoothing=5).data[1].y[99] == np.mean(
+        history(100)[95:, 1]
+    )
+    assert len(returns_figure(history(100), None, smoothing=1).data) == 1

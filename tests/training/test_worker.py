@@ -105,6 +105,15 @@ def test_however_a_run_is_held_it_learns_the_same():
     assert worker.agent.to_saved().generator == plain.agent.to_saved().generator
 
 
+def test_every_training_episode_has_its_seconds():
+    worker = prepared()
+    run(worker)
+    update = worker.update()
+    assert len(update.seconds) == len(update.history) > 0
+    assert (np.diff(update.seconds) >= 0).all()
+    assert update.seconds[0] > 0
+
+
 def test_single_steps_are_counted():
     worker = held(RunStatus.PAUSED)
     for _ in range(3):

@@ -42,8 +42,9 @@ from ao2viz.ui.commands import (
     TidyUp,
     Transport,
 )
+from ao2viz.ui.downloads import Notify
 from ao2viz.ui.look import Look
-from ao2viz.ui.reduce import Notify, PickOption, advance, follow, reduce, run_command
+from ao2viz.ui.reduce import PickOption, advance, follow, reduce, run_command
 from ao2viz.ui.session import OTHER_ENV, Form, Session
 from ao2viz.ui.view import project
 from ao2viz.ui.world import LoadFailure, ShelfItem, World

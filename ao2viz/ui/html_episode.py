@@ -1,0 +1,126 @@
+"""The margin and the reward along an episode, as HTML; escaping as in `html`."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.sentence import CLOSE_CALL
+from ao2viz.explain.words import count, number
+from ao2viz.figures.palette import ACTIONS, to_hex
+from ao2viz.recording.episode import Episode
+from ao2viz.ui.html import esc
+
+CHART_PX = 150
+"""Height of the chart; the cursor is as tall."""
+
+_WIDTH = 300.0  # Units across; steps that share one are drawn as their extremes.
+_TOP, _MARGIN_END, _REWARD_TOP, _REWARD_END = 8.0, 84.0, 100.0, 142.0
+_OUTLIERS = 98.0  # Percentile; what is greater stands at the rim.
+
+
+def episode_chart(episode: Episode | None, spec: TaskSpec | None) -> str:
+    """The chart without its cursor; the same for every step of the episode."""
+    if episode is None or spec is None or len(episode) == 0:
+        return '<div class="ao"><p class="ao-dim">No episode to show yet.</p></div>'
+    margins = np.array([decision.margin for decision in episode.decisions])
+    explored = np.array([decision.explored for decision in episode.decisions])
+    created = np.array([decision.created >= 0 for decision in episode.decisions])
+    scales = np.array([np.abs(d.action_values).max(initial=0.0) for d in episode.decisions])
+    close = ~explored & (margins < CLOSE_CALL * scales)
+    high = float(np.percentile(np.abs(margins), _OUTLIERS)) or 1.0
+    low = min(0.0, max(float(margins.min()), -high))
+    last = max(1, len(episode))
+    lines = [
+        _line(np.clip(margins, low, high), (low, high), (_MARGIN_END, _TOP), last, ACTIONS[0]),
+        _line(
+            episode.rewards, _ends(episode.rewards), (_REWARD_END, _REWARD_TOP), last, ACTIONS[2]
+        ),
+        _ticks(close, last, (_MARGIN_END, _MARGIN_END + 5), "#f0b429", ""),
+        _ticks(explored, last, (_TOP - 7, _TOP - 1), to_hex(ACTIONS[4]), "3 2"),
+        _ticks(created, last, (_MARGIN_END + 6, _MARGIN_END + 11), to_hex(ACTIONS[2]), ""),
+    ]
+    facts = [
+        f"margin: 0 to {number(high)}",
+        f"reward: {number(float(episode.rewards.min()))} to {number(float(episode.rewards.max()))}",
+    ]
+    told = f"Margin and reward of {count(len(episode), 'step')}; {'; '.join(facts)}."
+    marks = [
+        _mark(words, color, int(n))
+        for words, color, n in (
+            ("close call, below", "#f0b429", close.sum()),
+            ("explored, above", to_hex(ACTIONS[4]), explored.sum()),
+            ("new option, below", to_hex(ACTIONS[2]), created.sum()),
+        )
+        if n
+    ]
+    return (
+        f'<div class="ao ao-episode"><div class="ao-between ao-gaps"><span style="color:'
+        f'{to_hex(ACTIONS[0])}">{esc(facts[0])}</span><span style="color:{to_hex(ACTIONS[2])}">'
+        f'{esc(facts[1])}</span></div><svg role="img" aria-label="{esc(told)}" viewBox="0 0 '
+        f'{_WIDTH:g} {CHART_PX}" preserveAspectRatio="none" height="{CHART_PX}" width="100%">'
+        f'<line x1="0" x2="{_WIDTH:g}" y1="{_MARGIN_END:g}" y2="{_MARGIN_END:g}" class="ao-axis"/>'
+        f"{''.join(lines)}</svg>{''.join(marks)}</div>"
+    )
+
+
+def episode_cursor(episode: Episode | None, position: int) -> str:
+    """A line on the chart that follows, where the step that is shown stands."""
+    if episode is None or len(episode) == 0:
+        return ""
+    at = 100 * min(position, len(episode)) / len(episode)
+    line = f'<span class="ao-cursor-line" style="left:{at:.2f}%;height:{CHART_PX}px"></span>'
+    return f'<div class="ao ao-cursor">{line}</div>'
+
+
+def episode_words(episode: Episode | None, position: int) -> str:
+    """The numbers of the step that is shown."""
+    if episode is None or len(episode) == 0:
+        return ""
+    words = f"After the last step: return {number(episode.total_reward)}."
+    if position < len(episode):
+        margin = number(episode.decisions[position].margin)
+        reward = number(float(episode.rewards[position]))
+        total = number(float(episode.rewards[:position].sum()))
+        words = f"Step {position}: margin {margin}, reward {reward}; return so far {total}."
+    return f'<div class="ao ao-gaps">{esc(words)}</div>'
+
+
+def _line(
+    values: NDArray[np.float64],
+    ends: tuple[float, float],
+    rows: tuple[float, float],
+    last: int,
+    color: tuple[int, int, int],
+) -> str:
+    """A line whose low end stands at the first row, in the columns that there are."""
+    low, high = ends
+    columns = (np.arange(len(values)) * _WIDTH / last).astype(np.int64)
+    points = []
+    for column in np.unique(columns):
+        inside = values[columns == column]
+        for value in dict.fromkeys((float(inside.min()), float(inside.max()))):
+            share = (value - low) / (high - low) if high > low else 0.5
+            points.append(f"{column},{rows[0] + (rows[1] - rows[0]) * share:.1f}")
+    if len(points) == 1:
+        points.append(points[0].replace(points[0].split(",")[0], f"{_WIDTH:g}", 1))
+    return f'<polyline points="{" ".join(points)}" class="ao-line" stroke="{to_hex(color)}"/>'
+
+
+def _ticks(
+    where: NDArray[np.bool_], last: int, rows: tuple[float, float], color: str, dash: str
+) -> str:
+    columns = np.unique((np.flatnonzero(where) * _WIDTH / last).astype(np.int64))
+    path = "".join(f"M{column} {rows[0]:g}V{rows[1]:g}" for column in columns)
+    dashes = f' stroke-dasharray="{dash}"' if dash else ""
+    return f'<path d="{path}" class="ao-line" stroke="{color}"{dashes}/>' if path else ""
+
+
+def _mark(words: str, color: str, n: int) -> str:
+    return (
+        f'<span class="ao-gaps ao-tick"><span style="background:{color}"></span>'
+        f"{esc(words)} ({n})</span>"
+    )
+
+
+def _ends(values: NDArray[np.float64]) -> tuple[float, float]:
+    return float(values.min()), float(values.max())

@@ -1,0 +1,65 @@
+"""What a session watches, found in the world; pure."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ao2viz.core.decision import Decision
+from ao2viz.core.forest import ForestView
+from ao2viz.envs.task import TaskSpec
+from ao2viz.recording.episode import Episode
+from ao2viz.store.saved import SavedAgent
+from ao2viz.training.states import RunStatus
+from ao2viz.ui.session import Session
+from ao2viz.ui.world import World
+
+
+def agent_of(session: Session, world: World) -> SavedAgent | None:
+    """The saved agent that is watched, once it is open."""
+    opened = world.opened.get(session.source) if session.source is not None else None
+    return opened if isinstance(opened, SavedAgent) else None
+
+
+def episode_of(session: Session, world: World) -> Episode | None:
+    """The episode that the transport moves through; None while there is none."""
+    if session.source is None:
+        return world.update.episode
+    agent = agent_of(session, world)
+    if agent is None or not agent.episodes:
+        return None
+    return agent.episodes[min(session.episode, len(agent.episodes) - 1)]
+
+
+def forest_of(session: Session, world: World) -> ForestView | None:
+    """The forest that is watched, if there is one."""
+    if session.source is None:
+        return world.update.forest
+    agent = agent_of(session, world)
+    return agent.forest_view() if agent is not None else None
+
+
+def spec_of(session: Session, world: World) -> TaskSpec | None:
+    """The task of what is watched."""
+    agent = agent_of(session, world)
+    return world.update.spec if session.source is None else agent.spec if agent else None
+
+
+def decision_of(session: Session, world: World) -> Decision | None:
+    """The decision at the place of the session; None past the end and before the first."""
+    if session.source is None and world.update.status in (
+        RunStatus.RUNNING,
+        RunStatus.PREPARING,
+    ):
+        return world.update.decision
+    episode = episode_of(session, world)
+    if episode is None:
+        return world.update.decision if session.source is None else None
+    position = min(int(session.position), len(episode))
+    return episode.decisions[position] if position < len(episode) else None
+
+
+def history_of(session: Session, world: World) -> NDArray[np.float64]:
+    """Its training episodes, [E, 4] as in `History`."""
+    if session.source is None:
+        return world.update.history
+    agent = agent_of(session, world)
+    return agent.history if agent is not None else np.empty((0, 4))
