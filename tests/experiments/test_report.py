@@ -1,10 +1,13 @@
 """The tables in Markdown, and the page around them."""
 
+from pathlib import Path
+
 import pytest
 
 from ao2viz.experiments.provenance import provenance
 from ao2viz.experiments.report import write_into
 from ao2viz.experiments.statistics import summarise
+from ao2viz.experiments.table import read
 from tests.experiments.evaluations import both_ways, evaluation, run
 
 ROWS = [
@@ -18,6 +21,16 @@ ROWS = [
 
 def report(page=None, rows=ROWS) -> str:
     return write_into(page, summarise(rows), "r.parquet")
+
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+
+
+@pytest.mark.parametrize("name", ["results", "behaviour"])
+def test_the_tables_in_the_documentation_are_those_of_their_runs(name):
+    page = (DOCS / f"{name}.md").read_text("utf-8")
+    table = DOCS / f"{name}.parquet"
+    assert write_into(page, summarise(read(table)), table.name) == page
 
 
 def test_a_new_page_has_both_tables():
