@@ -15,7 +15,7 @@ from ao2viz.core.assimilation import assimilate, imagine_all, keep_stories, sett
 from ao2viz.core.attention import RunningSpread, attention_from, has_changed
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
-from ao2viz.core.experience import record
+from ao2viz.core.experience import learn_law, record
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
 from ao2viz.core.imagination import rules_of
@@ -63,10 +63,11 @@ class AnticipatingLearner:
         self._impression = make_impression(self._n_features, config.impression)
         self._grown_at = np.zeros(self._n_features)  # Deviations that attention is measured by.
         self._next_check = config.warmup_steps
+        self._next_law = 0  # The step from which on the laws are due to be learned anew.
         self._waiting: list[Transition] = []  # Warm-up steps not learned from yet.
         self._cursors = np.zeros(2, np.int64)
         forest = Forest(self._n_features, n_actions, np.zeros(self._n_features))
-        memory = allocate_memory(forest, self._n_ends)
+        memory = allocate_memory(forest, self._n_ends, config.law_degree)
         self._forest, self._experience, self._imagination = memory
         self._work = make_workspace(config.voters, self._n_features, n_actions)
         self._observation = np.zeros(self._n_features)
@@ -84,6 +85,8 @@ class AnticipatingLearner:
             return ()
         if self.n_steps >= self._next_check:
             self._check_attention(events)
+        if self.n_steps >= self._next_law:
+            self._learn_laws()
         self._spread.add(observation)
         self._here = self._situate(observation, events)
         return tuple(events)
@@ -140,6 +143,7 @@ class AnticipatingLearner:
 
     def sleep(self) -> None:
         """Imagines everything anew and lets the values settle; see `Learner`."""
+        self._learn_laws()
         settle(
             self._forest.columns,
             self._experience,
@@ -173,14 +177,16 @@ class AnticipatingLearner:
             "waiting": np.array([step.to_row() for step in self._waiting]).reshape(
                 -1, 2 * self._n_features + 4
             ),
+            **({"law_due": np.array(self._next_law)} if self.config.law_degree else {}),
             "counters": np.array([self.n_steps, self._next_check, *self._cursors], np.int64),
         }
 
     def set_state(self, state: Arrays) -> None:
         """Takes over what `get_state` gave; see `Learner`."""
         a, d = self._n_actions, self._n_features
-        memory = memory_from_arrays(state, d, a, self._n_ends, self.config.slip)
+        memory = memory_from_arrays(state, d, a, self._n_ends, self.config)
         counters = take_array(state, "counters", (4,), np.int64)
+        due = take_array(state, "law_due", (), np.int64) if self.config.law_degree else 0
         spread = take_array(state, "spread", (3, d), np.float64)
         grown_at = take_array(state, "grown_at", (d,), np.float64)
         waiting = take_array(state, "waiting", (None, 2 * d + 4), np.float64)
@@ -195,6 +201,7 @@ class AnticipatingLearner:
         self._forest, self._experience, self._imagination = memory
         self.n_steps, self._next_check = int(counters[0]), int(counters[1])
         self._cursors = counters[2:].copy()
+        self._next_law = int(due)
         self._spread.moments[:] = spread
         self._grown_at = grown_at.copy()
         self._waiting = [Transition.from_row(row) for row in waiting]
@@ -334,6 +341,14 @@ class AnticipatingLearner:
             if step.ended:
                 self._forget_episode()
         self._next_check = 2 * self.config.warmup_steps
+        self._learn_laws()
+
+    def _learn_laws(self) -> None:
+        """Fits what the actions do in general; due again after a fifth more steps."""
+        learn_law(
+            self._forest.columns, self._experience, self._forest.n_rows, self.config.experience_cap
+        )
+        self._next_law = self.n_steps + max(self.n_steps // 5, self.config.warmup_steps)
 
     def _spread_attention(self) -> NDArray[np.float64]:
         """[D] attention by how much the features varied when it was last looked at."""

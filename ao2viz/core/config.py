@@ -44,6 +44,7 @@ class AnticipatingConfig:
     epsilon_steps: int = 5_000  # Steps over which exploration falls.
     voters: int = 32  # The most options that a vote, an outlook or a prediction rests on.
     experience_cap: int = 20  # Visits after which a running mean forgets the oldest.
+    law_degree: int = 3  # Of the laws of what actions do in general, at the most; 0: none.
     effect_ridge: float = 0.01  # Steadies the local linear prediction of what follows.
     share_ridge: float = 0.02  # Steadies the planes that votes and outlooks rest on.
     slip: float = 0.05  # Chance of a random action that every value reckons with.
@@ -101,6 +102,7 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "epsilon_steps": (1, 10**12),
     "voters": (2, MAX_VOTERS),
     "experience_cap": (1, 10**9),
+    "law_degree": (0, 3),
     "effect_ridge": (1e-9, 1e6),
     "share_ridge": (1e-9, 1e6),
     "slip": (0.0, 1.0),

@@ -1,4 +1,4 @@
-"""What follows each action: running means of experience, and predictions made from them."""
+"""What follows each action: running means of experience, laws, and predictions made from both."""
 
 from typing import NamedTuple
 
@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns
 from ao2viz.core.compiled import compiled
+from ao2viz.core.law import Law, add_displacement, allocate_law, choose_terms, fit_law
 from ao2viz.core.local_linear import Workspace, sharp_closeness, solve_local_linear
 from ao2viz.core.search import find_nearest, kernel_width
 
@@ -15,21 +16,30 @@ _KNOWN_WITHIN = 4.0
 
 
 class Experience(NamedTuple):
-    """Per option and action, running means over its visits; vectors are scaled by attention."""
+    """Per option and action, running means over its visits; vectors are scaled by attention.
+
+    All but the law have a row for each option.
+    """
 
     reward: NDArray[np.float32]  # [C, A] per step.
     displacement: NDArray[np.float32]  # [C, A, D] next observation minus observation.
     origin: NDArray[np.float32]  # [C, A, D] where the action was tried from.
     ending: NDArray[np.float32]  # [C, A] chance that the task ended (time limits do not count).
+    expected: NDArray[np.float64]  # [C, A, D] displacement that the law expects from the origin.
+    law: Law  # What each action does in general.
 
 
-def allocate_experience(capacity: int, n_actions: int, n_features: int) -> Experience:
+def allocate_experience(
+    capacity: int, n_actions: int, n_features: int, law_degree: int = 0
+) -> Experience:
     """Experience of nothing yet, for a forest of this capacity."""
     return Experience(
         reward=np.zeros((capacity, n_actions), np.float32),
         displacement=np.zeros((capacity, n_actions, n_features), np.float32),
         origin=np.zeros((capacity, n_actions, n_features), np.float32),
         ending=np.zeros((capacity, n_actions), np.float32),
+        expected=np.zeros((capacity, n_actions, n_features)),
+        law=allocate_law(n_actions, n_features, law_degree),
     )
 
 
@@ -61,6 +71,52 @@ def record(
         experience.origin[option, action, d] += rate * (
             np.float32(before[d]) - experience.origin[option, action, d]
         )
+    expect(experience, option, action)
+
+
+@compiled
+def expect(experience: Experience, option: int, action: int) -> None:
+    """Renews what the law expects of an action from where an option tried it."""
+    expected = experience.expected[option, action]
+    expected[:] = 0.0
+    origin = experience.origin[option, action].astype(np.float64)
+    add_displacement(experience.law, action, origin, expected)
+
+
+def learn_law(columns: Columns, experience: Experience, n_rows: int, cap: int) -> None:
+    """Fits every action's law anew, to the experience of all options that tried the action.
+
+    A visit counts as much as any other, up to `cap` of one option.
+    """
+    law = experience.law
+    visits = np.minimum(columns.visits[:n_rows], cap) * columns.is_alive[:n_rows, None]
+    n_features, room = experience.origin.shape[2], law.coefficients.shape[1]
+    if room == 0 or not visits.any():
+        return
+    law.centre[:] = np.average(
+        experience.origin[:n_rows].astype(np.float64).reshape(-1, n_features),
+        axis=0,
+        weights=visits.reshape(-1),
+    )
+    for action in range(visits.shape[1]):
+        tried = np.flatnonzero(visits[:, action])
+        fit_law(
+            law,
+            action,
+            choose_terms(n_features, room, len(tried)),
+            experience.origin[tried, action].astype(np.float64),
+            experience.displacement[tried, action].astype(np.float64),
+            visits[tried, action].astype(np.float64),
+        )
+    expect_all(experience, n_rows)
+
+
+@compiled
+def expect_all(experience: Experience, n_rows: int) -> None:
+    """Renews what the laws expect, for every option and action."""
+    for option in range(n_rows):
+        for action in range(experience.expected.shape[1]):
+            expect(experience, option, action)
 
 
 @compiled
@@ -86,6 +142,7 @@ def merge(columns: Columns, experience: Experience, option: int, heir: int, cap:
             experience.origin[heir, a, d] += rate * (
                 experience.origin[option, a, d] - experience.origin[heir, a, d]
             )
+        expect(experience, heir, a)
 
 
 @compiled
@@ -101,8 +158,9 @@ def predict(
     """Writes what an action is expected to do at a (scaled) state into `work.effect`.
 
     A local linear regression over the most similar options that tried the action: displacement
-    [D], reward, chance of ending. Returns how many options it rests on, the first so many of the
-    work space; 0 if none of them is close enough to know.
+    [D], reward, chance of ending. Of the displacement it is what the action does by its law, plus
+    how it differed from the law around here. Returns how many options it rests on, the first so
+    many of the work space; 0 if none of them is close enough to know.
     """
     reach = _KNOWN_WITHIN * radius
     count = find_nearest(
@@ -130,9 +188,13 @@ def predict(
         share = work.shares[n]
         option = work.ids[n]
         for d in range(n_features):
-            work.effect[d] += share * experience.displacement[option, action, d]
+            surprise = (
+                experience.displacement[option, action, d] - experience.expected[option, action, d]
+            )
+            work.effect[d] += share * surprise
         work.effect[n_features] += share * experience.reward[option, action]
         work.effect[n_features + 1] += share * experience.ending[option, action]
+    add_displacement(experience.law, action, state, work.effect)
     work.effect[n_features + 1] = min(max(work.effect[n_features + 1], 0.0), 1.0)
     return count
 

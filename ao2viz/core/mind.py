@@ -89,7 +89,7 @@ class Mind:
         self.known: Known | None = None
         if isinstance(config, AnticipatingConfig) and "experience_reward" in state:
             ends = count_ends(config.voters, n_features)
-            memory = memory_from_arrays(dict(state), n_features, n_actions, ends, config.slip)
+            memory = memory_from_arrays(dict(state), n_features, n_actions, ends, config)
             self.forest = memory.forest
             self.known = Known(memory.experience, memory.imagination, rules_of(config))
         else:

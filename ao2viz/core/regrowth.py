@@ -25,7 +25,7 @@ def regrow(
     """Gives the forest new attention [D] and replants every option, the oldest first.
 
     Options that now stand for the same situation become one; their experience is merged. What was
-    imagined is out of date afterwards: settle it.
+    imagined is out of date afterwards, and there are no laws: learn them, and settle it.
     """
     events = [_rescale(forest, experience, attention, step)]
     old_parents, alive = forest.begin_regrowth()
@@ -61,11 +61,16 @@ def regrow(
 def _rescale(
     forest: Forest, experience: Experience, attention: NDArray[np.float64], step: int
 ) -> GrowthEvent:
-    """Changes the attention; experience is kept in scaled units, so it follows."""
+    """Changes the attention; experience is kept in scaled units, so it follows.
+
+    Laws do not: they are forgotten.
+    """
     n, old = forest.n_rows, forest.attention
     factor = np.divide(attention, old, out=np.zeros_like(attention), where=old > 0)
     experience.displacement[:n] *= factor.astype(np.float32)
     experience.origin[:n] *= factor.astype(np.float32)
+    experience.law.n_terms[:] = 0
+    experience.expected[:n] = 0.0
     event = forest.set_attention(attention, step)
     # A feature that had never varied had no weight: all that was tried, was tried at its one value.
     unseen = old == 0
