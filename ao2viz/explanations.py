@@ -1,21 +1,31 @@
 """`agent.explain`: everything that can be asked of an agent about its decisions."""
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
+from ao2viz.core.config import PaperConfig
 from ao2viz.core.decision import Decision
+from ao2viz.core.learner import Learner
+from ao2viz.core.ledger import Ledger
 from ao2viz.core.mind import Mind
+from ao2viz.core.paper import PaperLearner
 from ao2viz.envs.ranges import Ranges, ranges_of, unlimited
 from ao2viz.envs.task import TaskSpec, to_observation
 from ao2viz.explain.ahead import Ahead, look_ahead
 from ao2viz.explain.background import Background
 from ao2viz.explain.contrast import WhyNot, explain_why_not
 from ao2viz.explain.flips import Flips, explain_flips
+from ao2viz.explain.forgetting import Forgotten, compare_without
+from ao2viz.explain.ledger import Account, close_ledger
 from ao2viz.explain.nearest import NearestFlip, Progress, find_nearest_flip
 from ao2viz.explain.origin import Origin, explain_weight
 from ao2viz.explain.telling import Told, tell
 from ao2viz.explain.why import Why, explain_why
+from ao2viz.training.relearning import Progress as LearningProgress
+from ao2viz.training.relearning import check_same, learn_again
 
 if TYPE_CHECKING:
     from ao2viz.agent import AO2
@@ -40,7 +50,12 @@ class Explainer:
     def __init__(self, agent: "AO2") -> None:
         self._agent = agent
         self.spec: TaskSpec = agent.spec
-        self.mind = Mind(agent.config, agent.to_saved().state)
+        saved = agent.to_saved()
+        self._seed, self._n_steps = saved.seed, saved.n_steps
+        self._state, self._history = saved.state, saved.history
+        self._episodes = saved.episodes
+        self._is_known_to_repeat = False
+        self.mind = Mind(agent.config, saved.state)
 
     def why(self, situation: Situation) -> Why:
         """Why this action: path, distances, expectations and what they are made of."""
@@ -101,6 +116,93 @@ class Explainer:
         """
         return explain_weight(self.mind, option, self.action(action))
 
+    def ledger(
+        self, option: int, action: int | str, on_progress: LearningProgress | None = None
+    ) -> Account:
+        """Every reward in a weight of the `paper` preset, by training episode and step.
+
+        Nothing is kept in ordinary learning: the agent is learned again from its seed, which takes
+        as long as it took, and what moves this one weight is written down.
+
+        Raises:
+            ValueError: If it is no agent of that preset, there is no such weight, or it cannot be
+                learned again to the bit.
+            LearningStoppedError: If `on_progress` ended it.
+        """
+        config, view, index = self.mind.config, self.mind.view, self.action(action)
+        if not isinstance(config, PaperConfig):
+            raise ValueError(
+                "Expected an agent of the paper preset: its weights are made of rewards. Those of "
+                "the anticipating preset are imagined; ask for `weight`."
+            )
+        if not (0 <= option < len(view.is_alive) and view.is_alive[option]):
+            raise ValueError(f"There is no living option {option}.")
+        ledger = Ledger(option, index, config.gamma)
+
+        def watch(learner: Learner) -> None:
+            assert isinstance(learner, PaperLearner)
+            learner.ledger = ledger
+
+        self._repeat(watch, on_progress)
+        return close_ledger(ledger, float(view.weights[option, index]), self._history)
+
+    def forget(self, episode: int, on_progress: LearningProgress | None = None) -> Forgotten:
+        """Which decisions would be others, had a training episode never been learned from.
+
+        The agent is learned again twice: as it was, to make sure that it comes out the same, and
+        without. Compared are the recorded states; without any, the options' values.
+
+        Args:
+            episode: Of the training, counted from 0.
+            on_progress: Told the share that is done; returning False ends it.
+
+        Raises:
+            ValueError: If there is no such episode, or it cannot be learned again to the bit.
+            LearningStoppedError: If `on_progress` ended it.
+        """
+        if not 0 <= episode < len(self._history):
+            raise ValueError(
+                f"There is no training episode {episode}; {len(self._history):,} were finished, "
+                f"counted from 0."
+            )
+        if not self._is_known_to_repeat:
+            self._repeat(None, _half(on_progress, 0))
+        learner = learn_again(
+            self._agent.env,
+            self.spec,
+            self.mind.config,
+            self._seed,
+            self._n_steps,
+            without=episode,
+            on_progress=_half(on_progress, 1),
+        )
+        other = Mind(self.mind.config, learner.get_state())
+        _, reward, length, _ = self._history[episode].tolist()
+        return compare_without(self.mind, other, self.states(), episode, int(length), reward)
+
+    def states(self) -> NDArray[np.float64]:
+        """[S, D] the states in which recorded decisions were made; the options' values if none."""
+        recorded = [episode.observations[:-1] for episode in self._episodes if len(episode)]
+        view = self.mind.view
+        return np.concatenate(recorded) if recorded else view.values[view.is_alive]
+
+    def _repeat(
+        self, watch: Callable[[Learner], None] | None, on_progress: LearningProgress | None
+    ) -> None:
+        """Learns the agent again, and makes sure that it is the same."""
+        learner = learn_again(
+            self._agent.env,
+            self.spec,
+            self.mind.config,
+            self._seed,
+            self._n_steps,
+            watch=watch,
+            expected=self._history,
+            on_progress=on_progress,
+        )
+        check_same(learner, self._state)
+        self._is_known_to_repeat = True
+
     def tell(self, told: Told) -> str:
         """Any explanation from here in plain sentences, a line each."""
         return "\n".join(tell(told, self.spec))
@@ -134,3 +236,8 @@ class Explainer:
         if isinstance(situation, Decision):
             return situation
         return self.mind.decide(to_observation(situation, self.spec))
+
+
+def _half(on_progress: LearningProgress | None, which: int) -> LearningProgress | None:
+    """The progress of one of two halves."""
+    return None if on_progress is None else lambda share: on_progress((which + share) / 2)

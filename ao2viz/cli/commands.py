@@ -318,13 +318,16 @@ def explain(
     time_limit: Annotated[
         float, typer.Option(min=0.0, help="Seconds that nearest-flip may search.")
     ] = 30.0,
+    forget: Annotated[
+        int | None, typer.Option(min=0, help="The training episode to forget, counted from 0.")
+    ] = None,
     env: Env = None,
     as_json: Json = False,
 ) -> None:
     """Say why an agent decided as it did, what would have changed it, and where it leads."""
     from ao2viz.cli.explaining import Asked, run  # noqa: PLC0415 -- heavy.
 
-    asked = Asked(episode, step, observation, action, option, steps, time_limit)
+    asked = Asked(episode, step, observation, action, option, steps, time_limit, forget)
     run(file, question, asked, env=env, as_json=as_json)
 
 

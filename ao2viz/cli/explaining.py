@@ -1,5 +1,7 @@
 """`ao2viz explain`: one question about one decision, answered in sentences, a table or JSON."""
 
+import contextlib
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -9,6 +11,7 @@ from rich.progress import Progress, SpinnerColumn, TextColumn
 from ao2viz.agent import AO2
 from ao2viz.cli.console import say, show_json, stderr
 from ao2viz.cli.explanation_tables import show_tables
+from ao2viz.core.config import PaperConfig
 from ao2viz.core.decision import Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import to_observation
@@ -31,6 +34,7 @@ class Asked:
     option: int | None = None
     steps: int = 50
     time_limit_s: float = 30.0
+    forget: int | None = None  # Training episode, counted from 0.
 
 
 def run(file: Path, question: Question, asked: Asked, *, env: str | None, as_json: bool) -> None:
@@ -41,8 +45,9 @@ def run(file: Path, question: Question, asked: Asked, *, env: str | None, as_jso
     """
     agent = AO2.load(file, env)
     explain = agent.explain
+    is_about_a_decision = question not in (Question.WEIGHT, Question.FORGET)
     situation = None
-    if question is not Question.WEIGHT or asked.option is None:
+    if is_about_a_decision or (question is Question.WEIGHT and asked.option is None):
         situation = find_situation(agent, explain, asked)
     answer = _answer(explain, question, asked, situation)
     if as_json:
@@ -112,8 +117,17 @@ def _answer(
     match question:
         case Question.WEIGHT:
             option, action = _weight_asked(explain.mind.view, asked, situation)
-            return explain.weight(option, to_action(explain, action))
-    assert situation is not None  # Only a weight can be asked without one.
+            index = to_action(explain, action)
+            if isinstance(explain.mind.config, PaperConfig):
+                with _learning() as on_progress:
+                    return explain.ledger(option, index, on_progress)
+            return explain.weight(option, index)
+        case Question.FORGET:
+            if asked.forget is None:
+                raise ValueError("Forget which training episode? Name it with --forget.")
+            with _learning() as on_progress:
+                return explain.forget(asked.forget, on_progress)
+    assert situation is not None  # The other questions are about a decision.
     match question:
         case Question.WHY:
             return explain.why(situation)
@@ -155,6 +169,15 @@ def _weight_asked(view: ForestView, asked: Asked, situation: Decision | None) ->
         best = int(np.argmax(view.weights[option])) if known else 0
         action = str(best if situation is None else situation.action)
     return option, action
+
+
+@contextlib.contextmanager
+def _learning() -> Iterator[Callable[[float], None]]:
+    """A bar that shows how much has been learned again."""
+    console = stderr()
+    with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
+        task = progress.add_task("Learning again", total=1.0)
+        yield lambda share: progress.update(task, completed=share)
 
 
 def _search(explain: Explainer, situation: Decision, time_limit_s: float) -> NearestFlip:

@@ -16,6 +16,7 @@ from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
 from ao2viz.core.impression import make_impression
 from ao2viz.core.inference import Reading, act, decide
+from ao2viz.core.ledger import Ledger
 from ao2viz.core.local_linear import make_workspace
 
 
@@ -35,6 +36,7 @@ class PaperLearner:
     ) -> None:
         self.config = config
         self.n_steps = 0
+        self.ledger: Ledger | None = None  # Who wants to know what moves a weight sets it.
         self._rng = rng
         self._n_actions = n_actions
         self._per_range = 1.0 / ranges
@@ -165,9 +167,11 @@ class PaperLearner:
             credit = reward
             newest, chosen, _ = trace[-1]
             self._forest.columns.visits[newest, chosen] += 1
-            for option, action, _ in reversed(trace):
+            for delay, (option, action, _) in enumerate(reversed(trace)):
                 self._forest.columns.weights[option, action] += credit
                 credit *= config.gamma
+                if self.ledger is not None and self.ledger.is_about(option, action):
+                    self.ledger.add(self.n_steps - delay, delay, reward)
             return
         after = 0.0
         if config.credit is Credit.BOOTSTRAP and not terminated:
@@ -193,3 +197,6 @@ class PaperLearner:
         columns.visits[option, action] += 1
         rate = max(self.config.step_size, 1.0 / columns.visits[option, action])
         columns.weights[option, action] += rate * (earned - columns.weights[option, action])
+        if self.ledger is not None and self.ledger.is_about(option, action):
+            rewards = [reward for _, _, reward in self._trace]
+            self.ledger.move(self.n_steps - len(rewards) + 1, rewards, after, rate)

@@ -12,3 +12,4 @@ class Question(Enum):
     NEAREST_FLIP = "nearest-flip"
     AHEAD = "ahead"
     WEIGHT = "weight"
+    FORGET = "forget"

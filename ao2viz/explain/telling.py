@@ -4,11 +4,13 @@ from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.ahead import Ahead, tell_ahead
 from ao2viz.explain.contrast import WhyNot, tell_why_not
 from ao2viz.explain.flips import Flips, tell_flips
+from ao2viz.explain.forgetting import Forgotten, tell_forgotten
+from ao2viz.explain.ledger import Account, tell_account
 from ao2viz.explain.nearest import NearestFlip, tell_nearest
 from ao2viz.explain.origin import Origin, tell_origin
 from ao2viz.explain.why import Why, tell_why
 
-Told = Why | WhyNot | Flips | NearestFlip | Ahead | Origin
+Told = Why | WhyNot | Flips | NearestFlip | Ahead | Origin | Account | Forgotten
 """Every kind of explanation."""
 
 
@@ -27,3 +29,7 @@ def tell(told: Told, spec: TaskSpec) -> tuple[str, ...]:
             return tell_ahead(told, spec)
         case Origin():
             return tell_origin(told, spec)
+        case Account():
+            return tell_account(told, spec)
+        case Forgotten():
+            return tell_forgotten(told, spec)

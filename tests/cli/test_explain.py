@@ -96,3 +96,20 @@ def test_without_recorded_episodes_it_says_what_to_do(cli: Cli, tmp_path: Path) 
     done = cli("explain", "young.ao2", "ahead", "--observation", "0,0,0,0")
     assert done.returncode == 2
     assert "this one imagines nothing" in done.stderr
+
+
+def test_a_paper_agent_tells_its_ledger_and_forgets_an_episode(cli: Cli, tmp_path: Path) -> None:
+    agent = ao2viz.AO2("CartPole-v1", preset="paper", seed=1, credit="return").learn(400)
+    agent.save(tmp_path / "paper.ao2")
+    arguments = ("explain", "paper.ao2", "weight", "--option", "0", "--action", "0", "--json")
+    done = cli(*arguments)
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)["answer"]
+    assert answer["is_exact"] is True
+    assert answer["weight"] == agent.forest.weights[0, 0]
+    done = cli("explain", "paper.ao2", "forget", "--forget", "2", "--json")
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["answer"]["length"] == agent.history.summaries[2].length
+    done = cli("explain", "paper.ao2", "forget")
+    assert done.returncode == 2
+    assert "Name it with --forget" in done.stderr
