@@ -8,7 +8,7 @@ from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.core.growth import GrowthEvent, GrowthKind
 from ao2viz.exports.export import export
-from ao2viz.exports.registry import Format
+from ao2viz.exports.formats import Format
 from ao2viz.recording.episode import Episode
 
 try:

@@ -14,7 +14,7 @@ from typer.main import get_command
 from ao2viz.cli.commands import app
 from ao2viz.core.config import AnticipatingConfig, Credit, PaperConfig, Preset
 from ao2viz.envs.catalogue import CATALOGUE
-from ao2viz.exports.registry import EXPORTERS, Format, suffix_of
+from ao2viz.exports.formats import ABOUT, Format
 
 ROOT = Path(__file__).resolve().parent.parent
 PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "benchmarks/README.md"])
@@ -61,12 +61,11 @@ def test_options_that_are_documented_exist() -> None:
 
 @pytest.mark.parametrize("format", Format)
 def test_every_export_format_is_explained(format: Format) -> None:
-    exporter = EXPORTERS[format]
     row = re.search(rf"^\| `{format.value}` \|(.*)$", read("docs/exports.md"), re.MULTILINE)
     assert row is not None, f"docs/exports.md does not explain {format.value}."
-    suffix = suffix_of(format)
+    suffix = ABOUT[format].suffix
     assert row[1].startswith(f" `{suffix}` |" if suffix else " folder |")
-    assert ("extra `exports`" in row[1]) == bool(exporter.libraries)
+    assert ("extra `exports`" in row[1]) == bool(ABOUT[format].libraries)
 
 
 @pytest.mark.parametrize("config", [AnticipatingConfig, PaperConfig])

@@ -44,7 +44,7 @@ ALLOWED = {
 HOMES = {
     "numba": {"core"},
     "gymnasium": {"envs", "training", "agent"},
-    "viser": {"ui"},
+    "viser": {"ui", "exports"},
     "plotly": {"figures", "ui"},
     "networkx": {"explain", "exports"},
     "typer": {"cli"},

@@ -9,7 +9,7 @@ from ao2viz.cli.console import say
 from ao2viz.core.config import Preset
 from ao2viz.experiments.clusters import Cluster
 from ao2viz.explain.questions import Question
-from ao2viz.exports.registry import Format
+from ao2viz.exports.formats import Format
 from ao2viz.extras import need
 
 DEFAULT_HOST = "127.0.0.1"

@@ -7,7 +7,7 @@ from rich.progress import BarColumn, Progress, TaskProgressColumn, TextColumn, T
 from ao2viz.cli.console import say, show_json, stderr
 from ao2viz.cli.files import check_folder
 from ao2viz.exports.export import check_path, export
-from ao2viz.exports.registry import Format, suffix_of
+from ao2viz.exports.formats import ABOUT, Format
 
 
 def run(
@@ -59,7 +59,7 @@ def run(
 
 def default_path(file: Path, format: Format) -> Path:
     """Where an export goes if nothing is said: named after the agent, in the working folder."""
-    suffix = suffix_of(format)
+    suffix = ABOUT[format].suffix
     if not suffix:
         return Path(f"{file.stem}-{format.value}")
     extra = "" if suffix == f".{format.value}" else f"-{format.value}"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from ao2viz.agent import AO2
 from ao2viz.exports.content import Content, Numbered, Progress
-from ao2viz.exports.registry import EXPORTERS, FileExporter, Format
+from ao2viz.exports.formats import ABOUT, Format
 from ao2viz.extras import need
 from ao2viz.store.files import read
 from ao2viz.store.replacing import replacing, replacing_folder
@@ -46,20 +46,21 @@ def export(
             library is missing. One line that says what to do.
         OSError: If it cannot be written. Nothing half is left, and an old file is as it was.
     """
+    from ao2viz.exports.writers import FILES, FOLDERS  # noqa: PLC0415 -- heavy.
+
     kind = to_format(format)
-    exporter = EXPORTERS[kind]
     path = Path(path)
     check_path(path, kind, overwrite=overwrite)
-    need("exports", exporter.libraries)
+    need("exports", ABOUT[kind].libraries)
     content = choose(agent, episode, step, env, progress)
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
-        if isinstance(exporter, FileExporter):
-            with replacing(path) as stream:
-                exporter.write(content, stream)
-        else:
+        if ABOUT[kind].is_folder:
             with replacing_folder(path) as folder:
-                exporter.fill(content, folder)
+                FOLDERS[kind](content, folder)
+        else:
+            with replacing(path) as stream:
+                FILES[kind](content, stream)
     except OSError as error:
         # Errors of a full disk name no file, others the one beside that nobody has asked for.
         raise OSError(error.errno, error.strerror or str(error), str(path)) from error
@@ -85,10 +86,9 @@ def check_path(path: Path, format: Format, *, overwrite: bool) -> None:
     Raises:
         ValueError: If something is; says what to do.
     """
-    is_file_format = isinstance(EXPORTERS[format], FileExporter)
-    if is_file_format and path.is_dir():
+    if not ABOUT[format].is_folder and path.is_dir():
         raise ValueError(f"{path} is a folder; name a file in it.")
-    if not is_file_format and path.exists():
+    if ABOUT[format].is_folder and path.exists():
         raise ValueError(f"{path} is there already; {format.value} needs a new folder.")
     if path.exists() and not overwrite:
         raise ValueError(f"{path} is there already; name another file or overwrite it.")

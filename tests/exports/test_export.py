@@ -11,8 +11,8 @@ import pytest
 import ao2viz
 from ao2viz import Format, extras
 from ao2viz.core.config import Preset
-from ao2viz.exports import registry
-from ao2viz.exports.registry import EXPORTERS, FileExporter
+from ao2viz.exports.formats import ABOUT
+from ao2viz.exports.writers import FILES, FOLDERS
 from ao2viz.resources import saved_schemas
 from ao2viz.store.saved import SavedAgent
 from tests.exports.conftest import Export
@@ -20,11 +20,23 @@ from tests.exports.conftest import Export
 SHIPPED = saved_schemas() / "CartPole-v1.ao2"
 
 
-def test_every_format_has_an_exporter() -> None:
-    assert set(EXPORTERS) == set(Format)
-    needed = {library for exporter in EXPORTERS.values() for library in exporter.libraries}
-    assert needed <= set(extras._EXTRAS["exports"])
-    assert registry.suffix_of(Format.JSON) == ".json"
+def test_every_format_has_a_writer_and_is_told_about() -> None:
+    assert set(ABOUT) == set(Format)
+    assert set(FILES) == {format for format in Format if not ABOUT[format].is_folder}
+    assert set(FOLDERS) == {format for format in Format if ABOUT[format].is_folder}
+    needed = {library for about in ABOUT.values() for library in about.libraries}
+    assert needed == set(extras._EXTRAS["exports"])
+
+
+def test_exports_make_nothing_slower_that_does_not_export() -> None:
+    program = (
+        "import sys, ao2viz, ao2viz.cli.commands\n"
+        "print({'plotly', 'networkx', 'viser', 'jinja2', 'PIL', 'sklearn'} & set(sys.modules))"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", program], check=True, capture_output=True, text=True
+    )
+    assert done.stdout.strip() == "set()"
 
 
 @pytest.mark.parametrize("format", ["json", Format.JSON])
@@ -86,7 +98,7 @@ def test_nothing_is_replaced_unless_asked(cartpole: SavedAgent, write: Export) -
 
 
 @pytest.mark.parametrize(
-    "format", [f.value for f, exporter in EXPORTERS.items() if exporter.libraries]
+    "format", [format.value for format, about in ABOUT.items() if about.libraries]
 )
 def test_a_missing_library_is_told_with_the_extra_that_brings_it(
     cartpole: SavedAgent,
@@ -95,19 +107,14 @@ def test_a_missing_library_is_told_with_the_extra_that_brings_it(
     monkeypatch: pytest.MonkeyPatch,
     format: str,
 ) -> None:
-    for library in EXPORTERS[Format(format)].libraries:
+    for library in ABOUT[Format(format)].libraries:
         monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(ValueError, match=r"pip install 'ao2viz\[exports\]'"):
         write(cartpole, format)
     assert list(tmp_path.iterdir()) == []
 
 
-STEPPED = [
-    format.value
-    for format, exporter in EXPORTERS.items()
-    if isinstance(exporter, FileExporter)
-    and format in {Format.JSON, Format.CSV, Format.PARQUET, Format.MARKDOWN, Format.LATEX}
-]
+STEPPED = ["json", "csv", "parquet", "markdown", "latex"]
 
 
 @pytest.mark.parametrize("format", STEPPED)
