@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ao2viz.core.agent import make_learner
+from ao2viz.core.card import make_card
 from ao2viz.core.config import (
     AnticipatingConfig,
     Config,
@@ -26,6 +27,7 @@ from ao2viz.core.forest import ForestView
 from ao2viz.envs.matching import check_env, check_match
 from ao2viz.envs.motion import check_smoothing, last_executed, smooth
 from ao2viz.envs.task import TaskSpec, describe, make_env, settings_for, to_observation
+from ao2viz.explain.abstract import summarise
 from ao2viz.explanations import Explainer
 from ao2viz.recording.episode import Episode
 from ao2viz.recording.growth_log import GrowthLog
@@ -336,6 +338,16 @@ class AO2:
         return (
             f"<AO2 {self.preset.value} on {self.spec.env_id}: {len(self.forest):,} options after "
             f"{self.num_timesteps:,} steps>"
+        )
+
+    def _repr_html_(self) -> str:
+        """What notebooks show."""
+        spec, history = self.spec, self.history.to_array()
+        return make_card(
+            "AO2 agent",
+            summarise(spec, self.config, self.seed, self.num_timesteps, self.forest, history),
+            history[:, 1].tolist(),
+            "return of each training episode",
         )
 
 

@@ -6,6 +6,8 @@ from enum import Enum
 import numpy as np
 from numpy.typing import NDArray
 
+from ao2viz.core.card import make_card
+
 NO_OPTION = -1
 """Stands where an option id is missing: a root's parent, the padding of a path."""
 
@@ -103,3 +105,31 @@ class Decision:
         """Ids from the root to the voter at this position in `voters`, without padding."""
         row = self.paths[voter]
         return row[row != NO_OPTION]
+
+    def _repr_html_(self) -> str:
+        """What notebooks show: numbers only, as a decision does not know its task's names."""
+        chosen = f"action {self.action}"
+        if self.explored:
+            chosen += ", drawn at random to explore"
+        elif self.is_tie:
+            chosen += ", a tie"
+        path = [
+            f"{option} ({distance:.3g})"
+            for option, distance in zip(
+                self.path.tolist(), self.path_distances[:1].ravel().tolist(), strict=False
+            )
+        ]
+        return make_card(
+            "Decision",
+            [
+                ("seen", ", ".join(f"{value:.4g}" for value in self.observation.tolist())),
+                ("chosen", chosen),
+                *(
+                    (f"action {i} expected to earn", f"{value:.6g}")
+                    for i, value in enumerate(self.action_values.tolist())
+                ),
+                ("margin", f"{self.margin:.6g}"),
+                ("path (distance)", " → ".join(path) or "there were no options yet"),
+                ("decided by", self.decide_by.value),
+            ],
+        )

@@ -4,33 +4,18 @@ from collections.abc import Iterator, Sequence
 from typing import IO
 
 from ao2viz.core.config import config_to_dict
-from ao2viz.core.decision import NO_OPTION
-from ao2viz.explain.words import count, number, say_outcome
+from ao2viz.explain.abstract import summarise
+from ao2viz.explain.words import number, say_outcome
 from ao2viz.exports.content import Content, Step
 from ao2viz.exports.escaping import to_latex, to_markdown
 
 
 def summary_rows(content: Content) -> list[tuple[str, str]]:
     """What an agent is, as pairs of a word and a value; plain text."""
-    saved, view, spec = content.saved, content.view, content.spec
-    roots = int(((view.parents == NO_OPTION) & view.is_alive).sum())
-    rows = [
-        ("environment", f"{spec.title} ({spec.env_id})"),
-        ("preset", saved.preset.value),
-        ("decides by", saved.config.decide_by.value),
-        ("learned from", f"{count(saved.n_steps, 'step')}, seed {saved.seed}"),
-        ("forest", f"{count(len(view), 'option')} in {count(roots, 'schema')}"),
-    ]
-    if len(saved.history):
-        recent = saved.history[-100:, 1]
-        rows.append(
-            (
-                "training return",
-                f"{number(float(recent.mean()), 4)}, the mean of the last "
-                f"{count(len(recent), 'episode')}, exploration included",
-            )
-        )
-    return rows
+    saved = content.saved
+    return summarise(
+        content.spec, saved.config, saved.seed, saved.n_steps, content.view, saved.history
+    )
 
 
 def write_markdown(content: Content, stream: IO[bytes]) -> None:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ao2viz.core.card import make_card
 from ao2viz.core.decision import DecideBy, Decision, Plan
 
 
@@ -38,6 +39,28 @@ class Episode:
     def total_reward(self) -> float:
         """Undiscounted sum of rewards, the return that people quote."""
         return float(self.rewards.sum())
+
+    def _repr_html_(self) -> str:
+        """What notebooks show."""
+        ending = "still under way"
+        if self.terminated:
+            ending = "by the task"
+        elif self.truncated:
+            ending = "by the time limit"
+        longest = max((len(decision.path) for decision in self.decisions), default=0)
+        return make_card(
+            f"Episode of {self.env_id}",
+            [
+                ("seed", str(self.seed)),
+                ("steps", f"{len(self):,}"),
+                ("return", f"{self.total_reward:.6g}"),
+                ("ended", ending),
+                ("recorded", "while learning" if self.is_training else "greedily"),
+                ("longest path", f"{longest} options"),
+            ],
+            [decision.margin for decision in self.decisions],
+            "margin of each decision",
+        )
 
 
 def pack_decisions(
