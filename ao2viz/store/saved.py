@@ -24,6 +24,14 @@ Generator = Mapping[str, str | int]
 
 
 @dataclass(frozen=True, eq=False)
+class Learned:
+    """What an agent has learned at one moment: all that a `Mind` is made of."""
+
+    config: Config
+    state: Mapping[str, NDArray]  # What `Learner.set_state` takes.
+
+
+@dataclass(frozen=True, eq=False)
 class SavedAgent:
     """Everything needed to show an agent, to ask it, and to go on teaching it."""
 
@@ -44,6 +52,11 @@ class SavedAgent:
     def preset(self) -> Preset:
         """Which of the two agents it is."""
         return preset_of(self.config)
+
+    @cached_property
+    def learned(self) -> Learned:
+        """What it has learned, always the same object."""
+        return Learned(self.config, self.state)
 
     def forest_view(self) -> ForestView:
         """Its forest, without an environment and without compiling anything.

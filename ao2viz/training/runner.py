@@ -293,3 +293,6 @@ def _freeze(update: RunUpdate) -> None:
         for array in vars(update.forest).values():
             if hasattr(array, "flags"):
                 array.flags.writeable = False
+    if update.learned is not None:
+        for array in update.learned.state.values():
+            array.flags.writeable = False

@@ -10,6 +10,7 @@ from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.recording.episode import Episode
+from ao2viz.store.saved import Learned
 from ao2viz.training.states import RunStatus
 
 
@@ -37,4 +38,5 @@ class RunUpdate:
     forest: ForestView | None = None
     decision: Decision | None = None  # The latest.
     frame: bytes | None = None  # JPEG of the environment after the latest step, if it draws.
+    learned: Learned | None = None  # All that it has learned, only while nothing runs.
     episode: Episode | None = None  # Latest recorded episode, only while nothing runs.

@@ -12,6 +12,7 @@ import numpy as np
 from ao2viz.agent import AO2
 from ao2viz.envs.task import make_env
 from ao2viz.store.files import read
+from ao2viz.store.saved import Learned
 from ao2viz.training.frames import draw
 from ao2viz.training.loop import Stepper
 from ao2viz.training.states import (
@@ -182,6 +183,7 @@ class Worker:
             forest=agent.forest,
             decision=None if stepper.last is None else stepper.last.decision,
             frame=self._draw(),
+            learned=Learned(agent.config, agent.to_saved().state) if holds else None,
             episode=stepper.episode() if holds else None,
         )
 

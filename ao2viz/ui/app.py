@@ -29,6 +29,7 @@ from ao2viz.ui.reduce import Effect, PickOption, advance, follow, reduce
 from ao2viz.ui.security import make_server, make_token
 from ao2viz.ui.session import Form, Session
 from ao2viz.ui.stage import Stage
+from ao2viz.ui.thinker import Thinker
 from ao2viz.ui.view import View, project
 from ao2viz.ui.world import World
 
@@ -74,6 +75,7 @@ class Dashboard:
         self._inbox = Inbox()
         self._frames = FrameStore()
         self._gallery = Gallery()
+        self._thinker = Thinker()
         self._browsers: dict[int, Browser] = {}
         self._sessions: dict[int, Session] = {}
         self._world = World(folder=self._folder, env_ids=env_ids)
@@ -130,6 +132,7 @@ class Dashboard:
             self._runner.close()
         self._frames.close()
         self._gallery.close()
+        self._thinker.close()
         self._library.close()
         if self._server is not None:
             with contextlib.redirect_stdout(None):
@@ -166,7 +169,8 @@ class Dashboard:
             if session.source is not None:
                 self._library.open(session.source)
             try:
-                browser.sync(project(session, self._world), self._gallery, self._frames)
+                view = project(session, self._world)
+                browser.sync(view, self._gallery, self._frames, self._thinker)
             except Exception as error:  # One browser's trouble must not keep the others waiting.
                 # Handles of a browser that has just gone refuse; its Disconnect is on the way.
                 if self._server is not None and client_id in self._server.get_clients():

@@ -3,6 +3,7 @@
 import viser
 
 from ao2viz.core.decision import NO_OPTION
+from ao2viz.explain.ahead import Ahead
 from ao2viz.ui.camera import Eye
 from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.frames import FrameStore, refit
@@ -19,6 +20,7 @@ from ao2viz.ui.panels.watch import WatchPanel
 from ao2viz.ui.picture import Picture
 from ao2viz.ui.scene import Canvas
 from ao2viz.ui.stage import Stage
+from ao2viz.ui.thinker import Thinker
 from ao2viz.ui.view import View
 
 
@@ -47,12 +49,13 @@ class Browser:
         self._eye = Eye(client.camera)
         on_canvas_click(client.scene, me, inbox)
 
-    def sync(self, view: View, gallery: Gallery, frames: FrameStore) -> None:
+    def sync(self, view: View, gallery: Gallery, frames: FrameStore, thinker: Thinker) -> None:
         """Brings the screen up to date with the view."""
         frame, problem = self._frame(view, frames)
-        self._watch.sync(view, frame, problem)
+        ahead = _ahead_of(view, thinker)
+        self._watch.sync(view, frame, problem, ahead)
         self._control.sync(view)
-        self._inspect.sync(view)
+        self._inspect.sync(view, thinker)
         self._forest.sync(view)
         self.picture_key = None
         self._picture = None
@@ -61,7 +64,7 @@ class Browser:
             self._picture = gallery.get(view.forest_key, view.forest, view.spec, view.look)
         lens = self._eye.look()
         self._legend.sync(view, self._picture)
-        self._canvas.sync(self._picture, self._overlay_of(view), lens)
+        self._canvas.sync(self._picture, self._overlay_of(view, ahead), lens)
         requests = Requests(view.fits, view.focuses, view.selection_focuses)
         self._canvas.aim(requests, self._legend.size, lens)
         self._charts.sync(view)
@@ -94,8 +97,8 @@ class Browser:
             return None, ""
         return frames.get(view.episode, view.spec, view.transport.position)
 
-    def _overlay_of(self, view: View) -> Overlay | None:
-        inputs = (self._picture, view.decision, view.selected, view.transport.position)
+    def _overlay_of(self, view: View, ahead: Ahead | None) -> Overlay | None:
+        inputs = (self._picture, view.decision, view.selected, view.transport.position, ahead)
         if len(self._overlay[0]) == len(inputs) and all(
             a is b or (isinstance(a, int) and a == b)
             for a, b in zip(inputs, self._overlay[0], strict=True)
@@ -103,7 +106,15 @@ class Browser:
             return self._overlay[1]
         drawn = None
         if self._picture is not None and view.spec is not None and view.forest is not None:
-            moment = Moment(view.decision, view.selected, view.seen)
+            moment = Moment(view.decision, view.selected, view.seen, ahead)
             drawn = overlay(moment, self._picture, view.forest, view.spec)
         self._overlay = (inputs, drawn)
         return drawn
+
+
+def _ahead_of(view: View, thinker: Thinker) -> Ahead | None:
+    """Where the agent expects to go from what is seen, as far as that is known by now."""
+    if not view.shows_ahead or view.learned is None or view.decision is None:
+        return None
+    answer = thinker.ahead(view.learned, view.decision.observation)
+    return answer if isinstance(answer, Ahead) else None

@@ -122,6 +122,38 @@ class Walk:
 
 
 @dataclass(frozen=True)
+class OpenWeight:
+    """Opens the reasons of a weight of the selected option; None closes them."""
+
+    action: int | None
+
+
+@dataclass(frozen=True)
+class GoBack:
+    """Returns to what was selected before, as in a browser."""
+
+
+@dataclass(frozen=True)
+class GoForward:
+    """Undoes a return."""
+
+
+@dataclass(frozen=True)
+class ShowMoment:
+    """Shows a step of a recorded episode."""
+
+    episode: int
+    step: int
+
+
+@dataclass(frozen=True)
+class ShowAhead:
+    """Shows or hides where the agent expects to go; None changes which."""
+
+    is_shown: bool | None
+
+
+@dataclass(frozen=True)
 class FindState:
     """Selects the option nearest to a typed state: a number for each feature, as people read it."""
 
@@ -266,6 +298,11 @@ Command = (
     | Select
     | SelectDecided
     | Walk
+    | OpenWeight
+    | GoBack
+    | GoForward
+    | ShowMoment
+    | ShowAhead
     | FindState
     | Fit
     | FocusPath

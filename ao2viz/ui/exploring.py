@@ -23,7 +23,10 @@ from ao2viz.ui.commands import (
     FocusSelection,
     Fold,
     FoldAll,
+    GoBack,
+    GoForward,
     LimitDepth,
+    OpenWeight,
     Select,
     SelectDecided,
     TidyUp,
@@ -31,16 +34,20 @@ from ao2viz.ui.commands import (
     Way,
 )
 from ao2viz.ui.look import Arrangement, Look
-from ao2viz.ui.session import Session
+from ao2viz.ui.session import Place, Session
 from ao2viz.ui.typed import read_state
 
 _T = TypeVar("_T")
+_TRAIL = 100  # So many selections are remembered.
 
 Exploring = (
     Select
     | SelectDecided
     | Walk
     | FindState
+    | OpenWeight
+    | GoBack
+    | GoForward
     | Fit
     | FocusPath
     | FocusSelection
@@ -85,6 +92,12 @@ def explore(
             if decision is None or len(decision.path) == 0:
                 return session, "No option decided at this moment."
             return _select(session, int(decision.path[-1]), forest)
+        case OpenWeight(action):
+            return _open_weight(session, action, forest)
+        case GoBack():
+            return _go(session, -1, forest)
+        case GoForward():
+            return _go(session, 1, forest)
         case Walk(way):
             return _select(session, _neighbour(session.selected, way, forest), forest)
         case FindState(text):
@@ -151,10 +164,45 @@ def _next(choices: list[_T], current: _T) -> _T:
 
 def _select(session: Session, option: int, forest: ForestView) -> tuple[Session, str]:
     if option == NO_OPTION:
-        return replace(session, selected=NO_OPTION), ""
+        return replace(session, selected=NO_OPTION, opened=None), ""
+    if option == session.selected:
+        return session, ""
     if not 0 <= option < len(forest.parents) or not forest.is_alive[option]:
         return session, f"There is no option {option} here."
-    return replace(session, selected=option), ""
+    return _visit(session, Place(option)), ""
+
+
+def _visit(session: Session, place: Place) -> Session:
+    """Shows a place and remembers the way there; what was ahead on another way is forgotten."""
+    trail = (*session.trail[: session.trail_at + 1], place)[-_TRAIL:]
+    return replace(
+        session,
+        selected=place.option,
+        opened=place.action,
+        trail=trail,
+        trail_at=len(trail) - 1,
+    )
+
+
+def _open_weight(session: Session, action: int | None, forest: ForestView) -> tuple[Session, str]:
+    if action == session.opened:
+        return session, ""
+    if not 0 <= session.selected < len(forest.parents):
+        return session, "Select an option first: click one, or type its id."
+    if action is not None and not 0 <= action < forest.weights.shape[1]:
+        return session, f"There is no action {action}."
+    return _visit(session, Place(session.selected, action)), ""
+
+
+def _go(session: Session, by: int, forest: ForestView) -> tuple[Session, str]:
+    at = session.trail_at + by
+    if not 0 <= at < len(session.trail):
+        return session, ""
+    place = session.trail[at]
+    session = replace(session, trail_at=at)
+    if place.option >= len(forest.parents) or not forest.is_alive[place.option]:
+        return session, f"Option {place.option} was cleansed meanwhile."
+    return replace(session, selected=place.option, opened=place.action), ""
 
 
 def _neighbour(selected: int, way: Way, forest: ForestView) -> int:

@@ -104,9 +104,14 @@ def _share(share: float) -> str:
 
 
 def option(
-    chosen: int, view: ForestView, spec: TaskSpec, observation: NDArray[np.float64] | None
+    chosen: int,
+    view: ForestView,
+    spec: TaskSpec,
+    observation: NDArray[np.float64] | None,
+    *,
+    is_brief: bool = False,
 ) -> str:
-    """An option's value beside what is seen now, and what it expects of each action."""
+    """An option's value beside what is seen now, unless brief, and what it expects of actions."""
     depth = int(view.depths[chosen])
     born = int(view.born[chosen])
     facts = [f"depth {depth}" if depth else "a root", f"made at step {born:,}"]
@@ -121,9 +126,10 @@ def option(
         for f, v, n in zip(spec.features, amounts(view.values[chosen], spec), now, strict=True)
     )
     head = "" if observation is None else "now"
+    table = f"<table><tr><th>stands for</th><th>value</th><th>{head}</th></tr>{rows}</table>"
     return (
         f'<div class="ao"><h3>Option {chosen}</h3><p class="ao-dim">{" · ".join(facts)}</p>'
-        f"<table><tr><th>stands for</th><th>value</th><th>{head}</th></tr>{rows}</table>"
+        f"{'' if is_brief else table}"
         f"<h4>Actions: expected return, visits</h4>{_action_bars(chosen, view, spec)}</div>"
     )
 

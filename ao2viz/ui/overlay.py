@@ -9,7 +9,8 @@ from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.catalogue import Feature
 from ao2viz.envs.task import TaskSpec
-from ao2viz.explain.words import number
+from ao2viz.explain.ahead import Ahead, AheadEnd
+from ao2viz.explain.words import count, number
 from ao2viz.layout.labels import Side
 from ao2viz.layout.state_space import Axes, find_ticks
 from ao2viz.ui.picture import Picture
@@ -19,6 +20,7 @@ SHARE_LEVELS = 3
 
 _TRAIL = 40  # So many of the latest states are joined to a line.
 _FOLDED_LABELS = 8
+_DASHES = 110  # Of the imagined way, side by side across the whole picture.
 _TICK_SIZE = 0.012  # Of the longest axis.
 
 
@@ -38,6 +40,7 @@ class Moment:
     decision: Decision | None
     selected: int = NO_OPTION
     seen: NDArray[np.float64] | None = None  # [T, D] the states up to now, the latest last.
+    ahead: Ahead | None = None  # Where the agent expects to go from here.
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +58,8 @@ class Overlay:
     now: NDArray[np.float32] | None  # [3] in the state space: where the state is.
     trail: NDArray[np.float32]  # [T, 2, 3] in the state space: the way there.
     axes: NDArray[np.float32]  # [A, 2, 3] in the state space: axes with their ticks.
+    ahead: NDArray[np.float32]  # [I, 2, 3] dashes along the imagined way.
+    ahead_end: NDArray[np.float32] | None  # [3] where that ends.
     labels: tuple[Label, ...]  # The most important first.
 
 
@@ -68,6 +73,9 @@ def overlay(moment: Moment, picture: Picture, view: ForestView, spec: TaskSpec) 
         *_selected_label(moment, path, picture),
         *_folded_labels(picture, view),
     ]
+    way = _imagined_way(moment.ahead, path, picture)
+    if len(way) and moment.ahead is not None:
+        labels.insert(min(2, len(labels)), _label(_ahead_label(moment.ahead), way[-1], _SIDES))
     now: NDArray[np.float32] | None = None
     trail, axes = np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.float32)
     schema = trail
@@ -91,8 +99,51 @@ def overlay(moment: Moment, picture: Picture, view: ForestView, spec: TaskSpec) 
         now=now,
         trail=trail,
         axes=axes,
+        ahead=_dashes(way, picture),
+        ahead_end=way[-1] if len(way) else None,
         labels=tuple(labels),
     )
+
+
+def _imagined_way(
+    ahead: Ahead | None, path: NDArray[np.int64], picture: Picture
+) -> NDArray[np.float32]:
+    """[W, 3] option by option; in the state space, state by state."""
+    if ahead is None or not ahead.steps:
+        return np.empty((0, 3), np.float32)
+    if picture.axes is not None:
+        states = np.stack([*(step.observation for step in ahead.steps), ahead.last])
+        return picture.axes.place(states).astype(np.float32)
+    options = np.array([*path[-1:], *(stretch[0].option for stretch in ahead.stretches)], np.int64)
+    options = _standing(options, picture)
+    moves = np.r_[True, options[1:] != options[:-1]] if len(options) else np.empty(0, np.bool_)
+    return picture.positions[options[moves]]
+
+
+def _dashes(way: NDArray[np.float32], picture: Picture) -> NDArray[np.float32]:
+    """[I, 2, 3] the way in dashes; what is gone more than once is drawn once."""
+    if len(way) < 2:
+        return np.empty((0, 2, 3), np.float32)
+    legs = np.stack([way[:-1], way[1:]], axis=1)
+    ordered = np.where((legs[:, :1] > legs[:, 1:]).any(axis=2, keepdims=True), legs[:, ::-1], legs)
+    _, first = np.unique(ordered.round(4).reshape(len(legs), 6), axis=0, return_index=True)
+    reach = picture.outline[:, 3:]
+    box = (picture.outline[:, :3] + reach).max(axis=0) - (picture.outline[:, :3] - reach).min(
+        axis=0
+    )
+    dash = float(box.max()) / _DASHES
+    dashes = []
+    for start, end in legs[np.sort(first)]:
+        count = max(1, min(_DASHES, round(float(np.linalg.norm(end - start)) / dash / 2)))
+        at = (np.arange(count)[:, None] + np.array([0.0, 0.55])) / count
+        dashes.append(start + (end - start) * at[..., None])
+    return np.concatenate(dashes).astype(np.float32)
+
+
+def _ahead_label(ahead: Ahead) -> str:
+    ends = {AheadEnd.ENDED: "then the end", AheadEnd.UNKNOWN: "then unknown"}
+    told = ends.get(ahead.end, "and on")
+    return f"expects {number(ahead.reward)} in {count(len(ahead.steps), 'step')}, {told}"
 
 
 def _standing(options: NDArray[np.int64], picture: Picture) -> NDArray[np.int64]:
@@ -142,6 +193,9 @@ _AWAY: dict[tuple[bool, bool], tuple[Side, ...]] = {
     (False, True): (Side.RIGHT_ABOVE, Side.LEFT_ABOVE, Side.RIGHT, Side.LEFT, Side.RIGHT_BELOW),
     (False, False): (Side.RIGHT_BELOW, Side.LEFT_BELOW, Side.RIGHT, Side.LEFT, Side.RIGHT_ABOVE),
 }
+
+
+_SIDES = _AWAY[False, False]
 
 
 def _path_labels(

@@ -42,6 +42,8 @@ from ao2viz.ui.commands import (
     Seek,
     SetPlaySpeed,
     SetTrainingSpeed,
+    ShowAhead,
+    ShowMoment,
     Transport,
 )
 from ao2viz.ui.downloads import Notify, SaveFile, make_table
@@ -98,6 +100,13 @@ def reduce(session: Session, command: Command, world: World) -> Result:
             return replace(session, charts=replace(session.charts, over=over)), ()
         case ChooseSmoothing(episodes):
             return replace(session, charts=replace(session.charts, smoothing=episodes)), ()
+        case ShowMoment(number, step):
+            session = replace(session, episode=number, is_playing=False)
+            last = _last_position(session, world)
+            return replace(session, position=float(np.clip(step, 0, last))), ()
+        case ShowAhead(is_shown):
+            wanted = not session.shows_ahead if is_shown is None else is_shown
+            return replace(session, shows_ahead=wanted), ()
         case Download(table):
             return session, (make_table(table, session, world),)
         case _:
@@ -175,6 +184,9 @@ def _watch(session: Session, path: Path | None, world: World) -> Session:
         position=0.0,
         is_playing=path is not None,
         selected=NO_OPTION,
+        opened=None,
+        trail=(),
+        trail_at=-1,
         look=forget_place(session.look),
         fits=session.fits + 1,
     )

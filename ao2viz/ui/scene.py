@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import viser
 
-from ao2viz.figures.palette import EDGE, PATH, SELECTED, Rgb
+from ao2viz.figures.palette import EDGE, IMAGINED, PATH, SELECTED, Rgb
 from ao2viz.ui.camera import CameraMan, Lens, Sight
 from ao2viz.ui.lettering import Lettering
 from ao2viz.ui.look import Requests
@@ -38,8 +38,8 @@ _THIN: tuple[Rgb, ...] = ((150, 52, 112), (196, 62, 142), (228, 68, 160))
 _THIN_PX = (1.2, 2.0, 3.0)
 _RING_GROWTH = 1.7  # A ring seen aslant has to be bigger than a halo.
 # Heights above the plane: what explains lies over what is explained.
-_Z_DISC, _Z_EDGE, _Z_TRAIL, _Z_VOTE, _Z_VOTER, _Z_PATH, _Z_HALO, _Z_CORE, _Z_RING = np.array(
-    [-0.4, -0.2, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35]
+(_Z_DISC, _Z_EDGE, _Z_TRAIL, _Z_VOTE, _Z_VOTER, _Z_PATH, _Z_AHEAD, _Z_HALO, _Z_CORE, _Z_RING) = (
+    np.array([-0.4, -0.2, 0.05, 0.1, 0.15, 0.2, 0.22, 0.25, 0.3, 0.35])
 )
 
 
@@ -74,6 +74,8 @@ class Canvas:
         self._trail = add_lines(scene, "/now/trail", SELECTED, 1.5)
         self._now = add_batch(scene, "/now/state", DIAMOND, 2, SELECTED)
         paint(self._now, np.array([SELECTED, PATH], np.uint8))
+        self._ahead = add_lines(scene, "/ahead/line", IMAGINED, 3.0)
+        self._ahead_end = add_batch(scene, "/ahead/end", DIAMOND, 1, IMAGINED)
         self._axes = add_lines(scene, "/axes", _AXIS, 1.5)
         self._lettering = Lettering(scene)
 
@@ -138,8 +140,13 @@ class Canvas:
             (self._schema, None if overlay is None else overlay.schema, _Z_EDGE),
             (self._trail, None if overlay is None else overlay.trail, _Z_TRAIL),
             (self._axes, None if overlay is None else overlay.axes, _Z_EDGE),
+            (self._ahead, None if overlay is None else overlay.ahead, _Z_AHEAD),
         ):
             draw_lines(handle, nothing if lines is None else lines, height)
+        end = None if overlay is None else overlay.ahead_end
+        self._ahead_end.visible = end is not None
+        if end is not None:
+            place(self._ahead_end, end[None], np.array([1.1]), _Z_RING)
         selected = None if overlay is None else overlay.selected
         self._ring.visible = selected is not None
         if selected is not None:

@@ -29,6 +29,14 @@ class Form:
 
 
 @dataclass(frozen=True)
+class Place:
+    """What the inspector shows."""
+
+    option: int
+    action: int | None = None  # Whose reasons are open.
+
+
+@dataclass(frozen=True)
 class Session:
     """Everything one browser chose; the run itself belongs to all."""
 
@@ -38,6 +46,10 @@ class Session:
     is_playing: bool = True
     play_speed: float = 1.0
     selected: int = NO_OPTION
+    opened: int | None = None  # The action whose weight is opened to its reasons.
+    trail: tuple[Place, ...] = ()  # What was inspected, as a browser's history.
+    trail_at: int = -1  # Where in it we are.
+    shows_ahead: bool = True  # Where the agent expects to go is drawn.
     look: Look = field(default_factory=Look)
     charts: ChartLook = field(default_factory=ChartLook)
     form: Form = field(default_factory=Form)

@@ -1,6 +1,7 @@
 """What people type, read into numbers."""
 
 import re
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +35,14 @@ def read_state(text: str, spec: TaskSpec) -> NDArray[np.float64]:
     if not np.isfinite(state).all():
         raise ValueError("Expected finite numbers.")
     return state
+
+
+def tell_apart(names: Sequence[str]) -> tuple[str, ...]:
+    """The names, those that occur twice with their number in front, for lists."""
+    return tuple(
+        name if list(names).count(name) == 1 else f"{i}: {name}"
+        for i, name in enumerate(names, start=1)
+    )
 
 
 def names(spec: TaskSpec) -> list[str]:

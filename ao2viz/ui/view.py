@@ -11,6 +11,7 @@ from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.words import count, number
 from ao2viz.recording.episode import Episode
+from ao2viz.store.saved import Learned
 from ao2viz.training.states import RunStatus, SetDecideBy, accepts
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.commands import RunButton, Table
@@ -24,6 +25,8 @@ from ao2viz.ui.watched import (
     episode_of,
     forest_of,
     history_of,
+    learned_of,
+    recorded_in,
     spec_of,
 )
 from ao2viz.ui.world import LoadFailure, ShelfItem, World
@@ -65,7 +68,13 @@ class View:
     frame: bytes | None  # The run's own picture; None: take the episode's.
     notice: str  # Said in place of a sentence while there is no decision.
     transport: Transport
+    recorded: tuple[Episode, ...]  # Those that can be gone to.
+    learned: Learned | None  # What can be asked of a whole mind; None while a run goes on.
+    shows_ahead: bool
     selected: int
+    opened: int | None  # The action whose weight is opened to its reasons.
+    can_go_back: bool
+    can_go_forward: bool
     look: Look
     run: RunUpdate
     enabled: frozenset[RunButton]
@@ -121,7 +130,13 @@ def project(session: Session, world: World) -> View:
         transport=Transport(
             position, last, session.is_playing, episode is not None, session.play_speed
         ),
+        recorded=recorded_in(session, world),
+        learned=learned_of(session, world),
+        shows_ahead=session.shows_ahead,
         selected=session.selected,
+        opened=session.opened,
+        can_go_back=session.trail_at > 0,
+        can_go_forward=session.trail_at + 1 < len(session.trail),
         look=look,
         run=update,
         enabled=_enabled(update.status),

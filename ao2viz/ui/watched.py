@@ -7,7 +7,7 @@ from ao2viz.core.decision import Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.recording.episode import Episode
-from ao2viz.store.saved import SavedAgent
+from ao2viz.store.saved import Learned, SavedAgent
 from ao2viz.training.states import RunStatus
 from ao2viz.ui.session import Session
 from ao2viz.ui.world import World
@@ -55,6 +55,23 @@ def decision_of(session: Session, world: World) -> Decision | None:
         return world.update.decision if session.source is None else None
     position = min(int(session.position), len(episode))
     return episode.decisions[position] if position < len(episode) else None
+
+
+def recorded_in(session: Session, world: World) -> tuple[Episode, ...]:
+    """The episodes that can be gone to."""
+    agent = agent_of(session, world)
+    if agent is not None:
+        return agent.episodes
+    episode = episode_of(session, world)
+    return (episode,) if episode is not None else ()
+
+
+def learned_of(session: Session, world: World) -> Learned | None:
+    """What it has learned; None while a run goes on, for then that changes all the time."""
+    if session.source is None:
+        return world.update.learned
+    agent = agent_of(session, world)
+    return agent.learned if agent is not None else None
 
 
 def history_of(session: Session, world: World) -> NDArray[np.float64]:

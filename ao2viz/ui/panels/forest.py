@@ -18,13 +18,14 @@ from ao2viz.ui.commands import (
     FoldAll,
     LimitDepth,
     SelectDecided,
+    ShowAhead,
     Walk,
     Way,
 )
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.look import Arrangement
 from ao2viz.ui.mirror import Mirror
-from ao2viz.ui.typed import names
+from ao2viz.ui.typed import names, tell_apart
 from ao2viz.ui.view import View
 
 _NO_AXIS = "none"
@@ -34,6 +35,7 @@ _KEYS: tuple[tuple[str, Command, HotkeyKey], ...] = (
     ("Forest: fold or unfold the selected schema", Fold(), "X"),
     ("Forest: fold every schema", FoldAll(True), "O"),
     ("Forest: unfold every schema", FoldAll(False), "U"),
+    ("Forest: the imagined path", ShowAhead(None), "R"),
     ("Select: the option that decided", SelectDecided(), "W"),
     ("Select: its parent", Walk(Way.PARENT), "I"),
     ("Select: its child that was visited the most", Walk(Way.CHILD), "K"),
@@ -71,6 +73,10 @@ class ForestPanel:
             ("Unfold all", FoldAll(False), "Shows every schema in full."),
         ):
             on_click(gui.add_button(label, color="gray", hint=hint), command, client_id, inbox)
+        self._ahead = gui.add_checkbox(
+            "Imagined path", True, hint="Where the agent expects to go from here."
+        )
+        put(self._ahead, ShowAhead)
         self._state = gui.add_text("Find state", "")
         put(self._state, FindState)
         self._help = gui.add_html("")
@@ -80,19 +86,22 @@ class ForestPanel:
         self._coloring_shown = Mirror(self._coloring)
         self._axes_shown = [Mirror(handle) for handle in self._axes]
         self._depth_shown = Mirror(self._depth)
+        self._ahead_shown = Mirror(self._ahead)
 
     def sync(self, view: View) -> None:
         """Shows what was chosen."""
         look = view.look
         self._arrangement_shown.show(look.arrangement.value)
         self._coloring_shown.show(look.coloring.value)
+        self._ahead_shown.show(view.shows_ahead)
         deepest = int(view.forest.depths.max(initial=0)) if view.forest is not None else 0
         limit = deepest if look.deepest is None else min(look.deepest, deepest)
         self._depth_shown.show_within(max(1, deepest), limit)
         self._depth.disabled = deepest == 0
         if view.spec is not self._spec:
             self._spec = view.spec
-            self._features = _labels(view.spec)
+            features = view.spec.features if view.spec is not None else ()
+            self._features = tell_apart([feature.name for feature in features])
             self._help.content = _help(view.spec)
         for place, handle in enumerate(self._axes):
             has_choice = place < len(self._features)
@@ -112,16 +121,6 @@ class ForestPanel:
 
     def _to_depth(self, deepest: int) -> LimitDepth:
         return LimitDepth(None if deepest >= self._depth.max else deepest)
-
-
-def _labels(spec: TaskSpec | None) -> tuple[str, ...]:
-    """A name for each feature; numbered where two would be the same."""
-    if spec is None:
-        return ()
-    plain = [feature.name for feature in spec.features]
-    return tuple(
-        name if plain.count(name) == 1 else f"{i + 1}: {name}" for i, name in enumerate(plain)
-    )
 
 
 def _help(spec: TaskSpec | None) -> str:

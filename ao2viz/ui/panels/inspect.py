@@ -1,23 +1,42 @@
-"""The right dock, below: one option in full, and the options around it."""
+"""The right dock, below: one option in full, why its weights are what they are, what is around."""
 
-from collections.abc import Sequence
+from functools import partial
 
 import viser
+from viser._messages import HotkeyKey, KeyModifier
 
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
-from ao2viz.ui import html
-from ao2viz.ui.commands import Select
-from ao2viz.ui.inbox import Inbox, on_change
+from ao2viz.explain.origin import Origin
+from ao2viz.explain.words import percent
+from ao2viz.ui import html, html_reasons
+from ao2viz.ui.commands import (
+    Command,
+    GoBack,
+    GoForward,
+    OpenWeight,
+    Select,
+    SelectDecided,
+    ShowMoment,
+)
+from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.mirror import Mirror
+from ao2viz.ui.panels.links import Links
+from ao2viz.ui.thinker import NoAnswer, Thinker
+from ao2viz.ui.typed import tell_apart
+from ao2viz.ui.uses import Use, find_uses
 from ao2viz.ui.view import View
 
-_SHOWN = 6
-_CHOOSE: str = "choose one …"
+_CLOSED: str = "closed"
+_MOST_USES = 200  # In the list of moments; their number is told all the same.
 _HELP = (
     '<div class="ao"><p class="ao-dim">Click an option on the canvas, type its id above, or take '
     "the option that decided.</p></div>"
+)
+_KEYS: tuple[tuple[str, Command, HotkeyKey, KeyModifier | None], ...] = (
+    ("Inspect: back to what was selected before", GoBack(), "Z", None),
+    ("Inspect: forward again", GoForward(), "Z", "shift"),
 )
 
 
@@ -25,99 +44,129 @@ class InspectPanel:
     """The selected option of one browser."""
 
     def __init__(self, gui: viser.GuiApi, client_id: int, inbox: Inbox) -> None:
-        self._client_id, self._inbox = client_id, inbox
         self._shown: tuple[object, ...] = ()
-        self._decided = NO_OPTION
+        self._uses: tuple[object, ...] = ()
+        gui.add_html(html.row(3))
+        self._back = gui.add_button("Back", icon=viser.Icon.ARROW_LEFT, color="gray")
+        on_click(self._back, GoBack(), client_id, inbox)
+        self._forward = gui.add_button("Forward", icon=viser.Icon.ARROW_RIGHT, color="gray")
+        on_click(self._forward, GoForward(), client_id, inbox)
+        self._take = gui.add_button(
+            "Decided", icon=viser.Icon.TARGET, color="gray", hint="The option that decided."
+        )
+        on_click(self._take, SelectDecided(), client_id, inbox)
         self._search = gui.add_number("Option id", 0, min=0, max=10_000_000, step=1)
         self._search_shown = Mirror(self._search)
         on_change(self._search, Select, client_id, inbox)
-        self._take = gui.add_button("The option that decided", icon=viser.Icon.TARGET, color="gray")
-
-        @self._take.on_click
-        async def _(_: viser.GuiEvent) -> None:
-            inbox.put(client_id, Select(self._decided))
-
         self._facts = gui.add_html(_HELP)
-        self._parents = _Links(gui, "Parents", self)
-        self._children = _Links(gui, "Children: preferred action", self)
+        self._actions: tuple[str, ...] = ()
+        self._weight = gui.add_dropdown(
+            "Open weight", [_CLOSED], visible=False, hint="Why a weight is what it is."
+        )
+        on_change(self._weight, self._to_weight, client_id, inbox)
+        self._weight_shown = Mirror(self._weight)
+        self._reasons = gui.add_html("", visible=False)
+        make = partial(Links, gui, client_id=client_id, inbox=inbox)
+        self._ends = make("Leads to: share, worth")
+        self._moments = make("Recorded moments with a say", shown=3)
+        self._parents = make("Parents")
+        self._children = make("Children: preferred action")
+        for words, command, key, modifier in _KEYS:
+            trigger = gui.add_command(words, hotkey=key, modifier=modifier)
+            on_trigger(trigger, command, client_id, inbox)
 
-    def sync(self, view: View) -> None:
+    def sync(self, view: View, thinker: Thinker) -> None:
         """Shows the selected option, or how to select one."""
         decision, forest, spec = view.decision, view.forest, view.spec
-        has_path = decision is not None and len(decision.path) > 0
-        self._decided = int(decision.path[-1]) if decision is not None and has_path else NO_OPTION
-        self._take.disabled = self._decided == NO_OPTION
-        shown = (view.selected, forest, view.observation)
-        if len(self._shown) == 3 and all(a is b for a, b in zip(shown, self._shown, strict=True)):
+        self._take.disabled = decision is None or len(decision.path) == 0
+        self._back.disabled = not view.can_go_back
+        self._forward.disabled = not view.can_go_forward
+        origin = self._ask(view, thinker)
+        shown = (view.selected, view.opened, forest, view.observation, origin)
+        if len(self._shown) == len(shown) and all(
+            a is b for a, b in zip(shown, self._shown, strict=True)
+        ):
             return
         self._shown = shown
         chosen = view.selected
         if forest is None or spec is None or chosen == NO_OPTION:
-            self._facts.content = _HELP
-            self._parents.sync([], forest, spec)
-            self._children.sync([], forest, spec)
+            self._clear(_HELP)
             return
         if chosen >= len(forest.parents) or not forest.is_alive[chosen]:
             gone = f"Option {chosen} was cleansed; its id will not be used again."
-            self._facts.content = f'<div class="ao"><p>{gone}</p></div>'
+            self._clear(f'<div class="ao"><p>{gone}</p></div>')
             return
         self._search_shown.show(chosen)
-        self._facts.content = html.option(chosen, forest, spec, view.observation)
-        self._parents.sync(forest.parents_of(chosen).tolist(), forest, spec)
+        is_brief = view.opened is not None  # Its reasons need the room.
+        self._facts.content = html.option(chosen, forest, spec, view.observation, is_brief=is_brief)
+        self._sync_weight(view, spec, origin)
+        self._sync_moments(view, spec)
+        self._sync_relations(chosen, forest, spec)
+
+    def _ask(self, view: View, thinker: Thinker) -> Origin | NoAnswer | None:
+        if view.opened is None or view.selected == NO_OPTION:
+            return None
+        if view.learned is None:
+            return NoAnswer("A weight can be opened while the run is held, and in saved agents.")
+        return thinker.origin(view.learned, view.selected, view.opened)
+
+    def _sync_weight(self, view: View, spec: TaskSpec, origin: Origin | NoAnswer | None) -> None:
+        self._actions = tell_apart(spec.action_names)
+        opened = _CLOSED if view.opened is None else self._actions[view.opened]
+        self._weight.visible = True
+        self._weight_shown.show_among((_CLOSED, *self._actions), opened)
+        self._reasons.visible = view.opened is not None
+        links: list[tuple[str, Command]] = []
+        match origin:
+            case Origin():
+                self._reasons.content = html_reasons.reasons(origin, spec)
+                links = [
+                    (html_reasons.end_words(end), Select(end.option))
+                    for end in sorted(origin.ends, key=lambda end: -end.share)
+                ]
+            case NoAnswer(words):
+                self._reasons.content = html.notice(words)
+            case None:
+                self._reasons.content = html.notice("Imagining it anew …")
+        self._ends.sync(links)
+
+    def _sync_moments(self, view: View, spec: TaskSpec) -> None:
+        asked = (view.recorded, view.selected, view.opened)
+        if len(self._uses) == len(asked) and all(
+            a is b for a, b in zip(asked, self._uses, strict=True)
+        ):
+            return
+        self._uses = asked
+        found = find_uses(view.recorded, view.selected, view.opened)
+        self._moments.sync(
+            [(_use_words(use, spec), ShowMoment(use.episode, use.step)) for use in found][
+                :_MOST_USES
+            ]
+        )
+
+    def _sync_relations(self, chosen: int, forest: ForestView, spec: TaskSpec) -> None:
+        parents = forest.parents_of(chosen).tolist()
         children = forest.children_of(chosen)
         extra = forest.links[forest.links[:, 0] == chosen, 1]
         busiest = sorted(
             [*children.tolist(), *extra.tolist()], key=lambda i: -int(forest.visits[i].sum())
         )
-        self._children.sync(busiest, forest, spec)
+        for links, ids in ((self._parents, parents), (self._children, busiest)):
+            links.sync([(html.related(i, forest, spec), Select(i)) for i in ids])
+
+    def _clear(self, words: str) -> None:
+        self._facts.content = words
+        self._weight.visible = self._reasons.visible = False
+        self._uses = ()
+        for links in (self._ends, self._moments, self._parents, self._children):
+            links.sync([])
+
+    def _to_weight(self, words: str) -> OpenWeight | None:
+        if words in self._actions:
+            return OpenWeight(self._actions.index(words))
+        return OpenWeight(None) if words == _CLOSED else None
 
 
-class _Links:
-    """A few buttons, and a list for what they have no room for, that lead to other options."""
-
-    def __init__(self, gui: viser.GuiApi, title: str, panel: InspectPanel) -> None:
-        client_id, inbox = panel._client_id, panel._inbox
-        self._title, self._ids = title, list[int]()
-        self._heading = gui.add_html("", visible=False)
-        self._buttons = []
-        for place in range(_SHOWN):
-            button = gui.add_button("–", color="gray", visible=False)
-            on_click_nth(button, self, place, client_id, inbox)
-            self._buttons.append(button)
-        self._rest = gui.add_dropdown("More", [_CHOOSE], visible=False)
-        on_change(self._rest, _to_option, client_id, inbox)
-
-    def nth(self, place: int) -> int:
-        """The option behind a button; NO_OPTION if it has gone meanwhile."""
-        return self._ids[place] if place < len(self._ids) else NO_OPTION
-
-    def sync(self, ids: Sequence[int], forest: ForestView | None, spec: TaskSpec | None) -> None:
-        """Shows these options, the first ones as buttons."""
-        self._ids = list(ids)
-        self._heading.visible = len(ids) > 0
-        self._heading.content = f'<div class="ao"><h4>{self._title} ({len(ids)})</h4></div>'
-        words = [html.related(i, forest, spec) for i in ids] if forest and spec else []
-        for place, button in enumerate(self._buttons):
-            button.visible = place < len(words)
-            if button.visible:
-                button.label = words[place]
-        rest = tuple(words[_SHOWN:])
-        self._rest.visible = bool(rest)
-        options = (_CHOOSE, *rest)
-        if self._rest.options != options:
-            self._rest.options = options
-        self._rest.value = _CHOOSE
-
-
-def on_click_nth(
-    button: viser.GuiButtonHandle, links: _Links, place: int, client_id: int, inbox: Inbox
-) -> None:
-    """Sends the option that stands behind a button at the moment it is pressed."""
-
-    @button.on_click
-    async def _(_: viser.GuiEvent) -> None:
-        inbox.put(client_id, Select(links.nth(place)))
-
-
-def _to_option(words: str) -> Select | None:
-    return None if words == _CHOOSE else Select(int(words.split(" ", 1)[0]))
+def _use_words(use: Use, spec: TaskSpec) -> str:
+    had = "decided" if use.share == 1 else f"{percent(use.share)} of the say"
+    return f"Episode {use.episode + 1}, step {use.step}: {had}, {spec.action_names[use.action]}"

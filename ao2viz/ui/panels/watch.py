@@ -7,7 +7,8 @@ import numpy as np
 import viser
 from viser._messages import HotkeyKey
 
-from ao2viz.ui import html
+from ao2viz.explain.ahead import Ahead
+from ao2viz.ui import html, html_reasons
 from ao2viz.ui.commands import (
     ChooseEpisode,
     ChooseSource,
@@ -76,8 +77,12 @@ class WatchPanel:
         self._slider_shown = Mirror(self._slider)
         self._decision = gui.add_html("")
         self._path = gui.add_html("")
+        self._ahead = gui.add_html("")
+        self._told_ahead: Ahead | None = None
 
-    def sync(self, view: View, frame: bytes | None, problem: str) -> None:
+    def sync(
+        self, view: View, frame: bytes | None, problem: str, ahead: Ahead | None = None
+    ) -> None:
         """Shows the view; `frame` is the JPEG of this moment, None keeps the last one."""
         self._sync_choices(view)
         transport = view.transport
@@ -100,6 +105,12 @@ class WatchPanel:
             self._image._data = _BLANK_JPEG
         self._pictured = pictured
         self._sync_words(view, problem)
+        if ahead is not self._told_ahead:
+            self._told_ahead = ahead
+            if ahead is not None and view.spec is not None:
+                self._ahead.content = html_reasons.ahead(ahead, view.spec)
+            else:
+                self._ahead.content = ""
 
     def _sync_slider(self, last: int, position: int) -> None:
         self._slider_shown.show_within(max(1, last), position)
