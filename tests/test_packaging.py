@@ -111,3 +111,16 @@ def test_installed_elsewhere_the_command_lists_the_bundled_agents(
     for row in rows:
         assert row["bytes"] < 4_000_000
         assert row["recorded_episodes"] >= 2
+
+
+def test_installed_elsewhere_it_exports_with_the_files_it_carries(
+    installed: Path, tmp_path: Path
+) -> None:
+    program = "import ao2viz.resources as r; print(r.saved_schemas() / 'MountainCar-v0.ao2')"
+    agent = run(installed / "python", "-c", program, cwd=tmp_path).strip()
+    for format in ("html", "png", "policy"):
+        run(
+            installed / "ao2viz", "export", agent, "--format", format, "--out", f"out.{format}",
+            cwd=tmp_path,
+        )  # fmt: skip
+        assert (tmp_path / f"out.{format}").stat().st_size > 50_000

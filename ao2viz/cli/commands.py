@@ -9,7 +9,7 @@ from ao2viz.cli.console import say
 from ao2viz.core.config import Preset
 from ao2viz.experiments.clusters import Cluster
 from ao2viz.explain.questions import Question
-from ao2viz.exports.formats import Format
+from ao2viz.exports.formats import ABOUT, Format
 from ao2viz.extras import need
 
 DEFAULT_HOST = "127.0.0.1"
@@ -251,7 +251,11 @@ def results(
     run(file, markdown=markdown, plot=plot, as_json=as_json)
 
 
-@app.command()
+@app.command(
+    # An empty line between them, or they are set as one paragraph.
+    epilog="Formats:\n\n"
+    + "\n\n".join(f"{format.value}: {about.holds}" for format, about in ABOUT.items())
+)
 def export(
     file: AgentFile,
     format: Annotated[

@@ -1,5 +1,6 @@
 """An episode as a film: the environment, and beside it the path and the sentence of each step."""
 
+import io
 from collections.abc import Iterator
 from fractions import Fraction
 from typing import IO
@@ -30,13 +31,16 @@ def write_mp4(content: Content, stream: IO[bytes]) -> None:
     """
     import av  # noqa: PLC0415 -- an extra.
 
-    with av.open(stream, "w", format="mp4") as film:
+    # In memory first: errors of the disk would reach us as the library's own, without a reason.
+    written = io.BytesIO()
+    with av.open(written, "w", format="mp4") as film:
         track = film.add_stream("libx264", rate=Fraction(_RATE), options={"crf": "20"})
         track.width, track.height = _SIZE
         track.pix_fmt = "yuv420p"
         for image in _frames(content):
             film.mux(track.encode(av.VideoFrame.from_image(image)))
         film.mux(track.encode())
+    stream.write(written.getbuffer())
 
 
 def write_gif(content: Content, stream: IO[bytes]) -> None:

@@ -117,7 +117,7 @@ def _datasets_in(folder: Path) -> Iterator[None]:
     """Lets Minari, which reads the place from the environment variables, write to a folder."""
     name = "MINARI_DATASETS_PATH"
     before = os.environ.get(name)
-    os.environ[name] = str(folder)
+    os.environ[name] = str(folder.resolve())
     try:
         yield
     finally:

@@ -1,10 +1,11 @@
 """`ao2viz export` as people run it."""
 
 import json
-import os
 import signal
+import time
 from pathlib import Path
 
+from ao2viz.exports.formats import ABOUT
 from ao2viz.resources import saved_schemas
 from tests.cli.processes import Cli, interrupt, start
 from tests.cli.test_bad_input import assert_one_clear_line
@@ -53,11 +54,18 @@ def test_overwrite_replaces(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "mine.csv").stat().st_size > 100_000
 
 
-def test_ctrl_c_stops_it_and_leaves_nothing(tmp_path: Path) -> None:
-    # A pipe that nobody writes to: the command waits in the middle of its work.
-    os.mkfifo(tmp_path / "slow.ao2")
-    process = start(tmp_path, "export", "slow.ao2", "--format", "csv")
-    _, errors = interrupt(process, 4, signal.SIGINT)
+def test_ctrl_c_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
+    process = start(tmp_path, "export", SHIPPED, "--format", "gif", "--out", "film.gif")
+    while not (begun := list(tmp_path.glob(".film.gif.*.tmp"))) and process.poll() is None:
+        time.sleep(0.05)
+    assert begun, process.communicate()
+    _, errors = interrupt(process, 1, signal.SIGINT)
     assert process.returncode == 130
     assert "Traceback" not in errors
-    assert [path.name for path in tmp_path.iterdir()] == ["slow.ao2"]
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_the_help_says_what_every_format_holds(cli: Cli) -> None:
+    shown = " ".join(cli("export", "--help").stdout.split())
+    for format, about in ABOUT.items():
+        assert f"{format.value}: {about.holds}" in shown

@@ -145,17 +145,18 @@ def test_a_forbidden_folder_is_told_in_one_line(cartpole: SavedAgent) -> None:
         ao2viz.export(cartpole, "/proc/x.json", "json")
 
 
-@pytest.mark.parametrize("format", ["json", "parquet", "csv"])
+@pytest.mark.parametrize("format", ["json", "parquet", "csv", "html", "mp4"])
 def test_a_full_disk_leaves_nothing_and_gets_one_line(tmp_path: Path, format: str) -> None:
     def limit() -> None:
         # No file may grow further than this: for who writes, that is a disk that is full.
-        resource.setrlimit(resource.RLIMIT_FSIZE, (50_000, 50_000))
+        resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))
 
     old = tmp_path / "out"
     old.write_text("old")
+    agent = saved_schemas() / "MountainCar-v0.ao2"  # Its episodes are short.
     done = subprocess.run(
         [
-            *(sys.executable, "-m", "ao2viz", "export", str(SHIPPED)),
+            *(sys.executable, "-m", "ao2viz", "export", str(agent)),
             *("--format", format, "--out", str(old), "--overwrite"),
         ],
         check=False,

@@ -71,6 +71,15 @@ def test_minari_elsewhere_is_left_alone(
     assert not (tmp_path / "mine").exists()
 
 
+def test_a_folder_can_be_named_from_here(
+    cartpole: SavedAgent, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    export(cartpole, "data", "minari")
+    monkeypatch.setenv("MINARI_DATASETS_PATH", "data")
+    assert minari.load_dataset("cartpole-v1/ao2viz-v0").total_episodes == 2
+
+
 def test_tensorboard_reads_every_scalar(pendulum: SavedAgent, write: Export) -> None:
     shares: list[float] = []
     folder = write(pendulum, "tensorboard", progress=shares.append)
