@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
-import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ao2viz.core.config import PaperConfig
 from ao2viz.core.decision import Decision
@@ -23,9 +22,11 @@ from ao2viz.explain.ledger import Account, close_ledger
 from ao2viz.explain.nearest import NearestFlip, Progress, find_nearest_flip
 from ao2viz.explain.origin import Origin, explain_weight
 from ao2viz.explain.telling import Told, tell
+from ao2viz.explain.whole import Comparison, Novelty
 from ao2viz.explain.why import Why, explain_why
 from ao2viz.training.relearning import Progress as LearningProgress
 from ao2viz.training.relearning import check_same, learn_again
+from ao2viz.whole import WholeAgent
 
 if TYPE_CHECKING:
     from ao2viz.agent import AO2
@@ -99,6 +100,26 @@ class Explainer:
         return Background(
             lambda report: find_nearest_flip(mind, seen, ranges, time_limit_s, report)
         )
+
+    @property
+    def whole(self) -> WholeAgent:
+        """What can be asked about the agent as a whole; see `WholeAgent`."""
+        return WholeAgent(
+            self.mind, self.spec, self._episodes, lambda: self._agent.env, lambda: self.ranges
+        )
+
+    def novelty(self, situation: Situation) -> Novelty:
+        """Whether what is seen is like nothing that the agent has met: the alarm."""
+        return self.whole.novelty(self._decision(situation).observation)
+
+    def disagreements(self, other: "AO2") -> Comparison:
+        """Where another agent of the same task would choose differently, over both's states.
+
+        Raises:
+            ValueError: If it is one of another task.
+        """
+        theirs = other.explain
+        return self.whole.disagreements(theirs.mind, theirs.whole.states())
 
     def ahead(self, situation: Situation, limit: int = 50) -> Ahead:
         """Where this will lead: the way it expects to go, up to so many steps.
@@ -178,13 +199,7 @@ class Explainer:
         )
         other = Mind(self.mind.config, learner.get_state())
         _, reward, length, _ = self._history[episode].tolist()
-        return compare_without(self.mind, other, self.states(), episode, int(length), reward)
-
-    def states(self) -> NDArray[np.float64]:
-        """[S, D] the states in which recorded decisions were made; the options' values if none."""
-        recorded = [episode.observations[:-1] for episode in self._episodes if len(episode)]
-        view = self.mind.view
-        return np.concatenate(recorded) if recorded else view.values[view.is_alive]
+        return compare_without(self.mind, other, self.whole.states(), episode, int(length), reward)
 
     def _repeat(
         self, watch: Callable[[Learner], None] | None, on_progress: LearningProgress | None

@@ -23,6 +23,7 @@ LAYERS = {
     "explain": 2,
     "agent": 3,
     "explanations": 3,
+    "whole": 3,
     "experiments": 4,
     "figures": 4,
     "exports": 5,
@@ -38,12 +39,13 @@ ALLOWED = {
     ("training", "agent"): "The worker owns an AO2; the runners are built on it.",
     ("agent", "explanations"): "`agent.explain` is what answers.",
     ("explanations", "agent"): "It explains an AO2.",
+    ("explanations", "whole"): "`agent.explain.whole` is a part of it.",
     ("agent", "training"): "AO2.learn is the loop of `training.loop`.",
 }
 # Every heavy library has one home; `numpy` is at home everywhere.
 HOMES = {
     "numba": {"core"},
-    "gymnasium": {"envs", "training", "agent"},
+    "gymnasium": {"envs", "training", "agent", "whole"},
     "viser": {"ui", "exports"},
     "plotly": {"figures", "ui"},
     "networkx": {"explain", "exports"},

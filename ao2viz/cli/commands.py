@@ -316,7 +316,7 @@ def explain(
     ] = None,
     option: Annotated[
         int | None,
-        typer.Option(min=0, help="The option that weight is about; otherwise who decided."),
+        typer.Option(min=0, help="The option that weight or mute is about; otherwise who decided."),
     ] = None,
     steps: Annotated[int, typer.Option(min=1, max=1000, help="How far ahead looks.")] = 50,
     time_limit: Annotated[
@@ -325,13 +325,21 @@ def explain(
     forget: Annotated[
         int | None, typer.Option(min=0, help="The training episode to forget, counted from 0.")
     ] = None,
+    other: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="The other agent of disagree.")
+    ] = None,
+    episodes: Annotated[
+        int, typer.Option(min=1, help="Greedy episodes that mute plays for each option.")
+    ] = 10,
     env: Env = None,
     as_json: Json = False,
 ) -> None:
     """Say why an agent decided as it did, what would have changed it, and where it leads."""
     from ao2viz.cli.explaining import Asked, run  # noqa: PLC0415 -- heavy.
 
-    asked = Asked(episode, step, observation, action, option, steps, time_limit, forget)
+    asked = Asked(
+        episode, step, observation, action, option, steps, time_limit, forget, other, episodes
+    )
     run(file, question, asked, env=env, as_json=as_json)
 
 

@@ -22,6 +22,8 @@ from ao2viz.explain.telling import Told
 from ao2viz.explain.words import amounts, number, percent
 from ao2viz.explanations import Explainer
 
+_NOT_OF_A_DECISION = (Question.FORGET, Question.AGENT, Question.MUTE, Question.DISAGREE)
+
 
 @dataclass(frozen=True)
 class Asked:
@@ -35,6 +37,8 @@ class Asked:
     steps: int = 50
     time_limit_s: float = 30.0
     forget: int | None = None  # Training episode, counted from 0.
+    other: Path | None = None  # Another agent's file.
+    episodes: int = 10  # To play for each muted option.
 
 
 def run(file: Path, question: Question, asked: Asked, *, env: str | None, as_json: bool) -> None:
@@ -45,11 +49,12 @@ def run(file: Path, question: Question, asked: Asked, *, env: str | None, as_jso
     """
     agent = AO2.load(file, env)
     explain = agent.explain
-    is_about_a_decision = question not in (Question.WEIGHT, Question.FORGET)
     situation = None
-    if is_about_a_decision or (question is Question.WEIGHT and asked.option is None):
+    if question not in _NOT_OF_A_DECISION and not (
+        question is Question.WEIGHT and asked.option is not None
+    ):
         situation = find_situation(agent, explain, asked)
-    answer = _answer(explain, question, asked, situation)
+    answer = _answer(explain, question, asked, situation, env)
     if as_json:
         show_json(
             {
@@ -112,7 +117,11 @@ def _read_observation(text: str, agent: AO2) -> np.ndarray:
 
 
 def _answer(
-    explain: Explainer, question: Question, asked: Asked, situation: Decision | None
+    explain: Explainer,
+    question: Question,
+    asked: Asked,
+    situation: Decision | None,
+    env: str | None,
 ) -> Told:
     match question:
         case Question.WEIGHT:
@@ -127,6 +136,17 @@ def _answer(
                 raise ValueError("Forget which training episode? Name it with --forget.")
             with _learning() as on_progress:
                 return explain.forget(asked.forget, on_progress)
+        case Question.AGENT:
+            with stderr().status("Asking at every recorded state …"):
+                return explain.whole.overview()
+        case Question.MUTE:
+            options = 5 if asked.option is None else [asked.option]
+            with stderr().status("Playing without one option after the other …"):
+                return explain.whole.carriers(options, asked.episodes)
+        case Question.DISAGREE:
+            if asked.other is None:
+                raise ValueError("Disagree with whom? Name another agent's file with --other.")
+            return explain.disagreements(AO2.load(asked.other, env))
     assert situation is not None  # The other questions are about a decision.
     match question:
         case Question.WHY:
@@ -144,6 +164,8 @@ def _answer(
             return _search(explain, situation, asked.time_limit_s)
         case Question.AHEAD:
             return explain.ahead(situation, asked.steps)
+        case Question.NOVELTY:
+            return explain.novelty(situation)
 
 
 def to_action(explain: Explainer, text: str) -> int:

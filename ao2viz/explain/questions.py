@@ -12,4 +12,8 @@ class Question(Enum):
     NEAREST_FLIP = "nearest-flip"
     AHEAD = "ahead"
     WEIGHT = "weight"
+    NOVELTY = "novelty"
     FORGET = "forget"
+    AGENT = "agent"
+    MUTE = "mute"
+    DISAGREE = "disagree"

@@ -8,9 +8,29 @@ from ao2viz.explain.forgetting import Forgotten, tell_forgotten
 from ao2viz.explain.ledger import Account, tell_account
 from ao2viz.explain.nearest import NearestFlip, tell_nearest
 from ao2viz.explain.origin import Origin, tell_origin
+from ao2viz.explain.whole import Carriers, Comparison, Novelty, Overview
+from ao2viz.explain.whole_telling import (
+    tell_carriers,
+    tell_comparison,
+    tell_novelty,
+    tell_overview,
+)
 from ao2viz.explain.why import Why, tell_why
 
-Told = Why | WhyNot | Flips | NearestFlip | Ahead | Origin | Account | Forgotten
+Told = (
+    Why
+    | WhyNot
+    | Flips
+    | NearestFlip
+    | Ahead
+    | Origin
+    | Account
+    | Forgotten
+    | Overview
+    | Carriers
+    | Comparison
+    | Novelty
+)
 """Every kind of explanation."""
 
 
@@ -33,3 +53,11 @@ def tell(told: Told, spec: TaskSpec) -> tuple[str, ...]:
             return tell_account(told, spec)
         case Forgotten():
             return tell_forgotten(told, spec)
+        case Overview():
+            return tell_overview(told, spec)
+        case Carriers():
+            return tell_carriers(told)
+        case Comparison():
+            return tell_comparison(told, spec)
+        case Novelty():
+            return (tell_novelty(told),)

@@ -49,7 +49,7 @@ def amounts(observation: NDArray[np.float64], spec: TaskSpec) -> list[str]:
 
 def percent(share: float) -> str:
     """A share as a whole percentage; "under 1 %" instead of a zero that is none."""
-    if 0 < share < 0.005:
+    if share > 0 and round(100 * share) == 0:
         return "under 1 %"
     return f"{100 * share:.0f} %"
 

@@ -6,7 +6,6 @@ from pathlib import Path
 import pytest
 
 import ao2viz
-from ao2viz.explain.questions import Question
 from ao2viz.resources import saved_schemas
 from tests.cli.processes import Cli
 
@@ -52,8 +51,7 @@ def test_every_question_is_answered_about_an_observation(cli: Cli) -> None:
     assert len(ahead["steps"]) == 7
     weight = asked(cli, "weight", *arguments)["answer"]
     assert (weight["option"], weight["action"]) == (int(decision.voters[0]), decision.action)
-    known = {"why", "why-not", "flip", "nearest-flip", "ahead", "weight"}
-    assert known <= {question.value for question in Question}
+    assert asked(cli, "novelty", *arguments)["answer"]["is_alarm"] is False
 
 
 def test_a_weight_is_told_by_option_and_action_number(cli: Cli) -> None:
@@ -113,3 +111,23 @@ def test_a_paper_agent_tells_its_ledger_and_forgets_an_episode(cli: Cli, tmp_pat
     done = cli("explain", "paper.ao2", "forget")
     assert done.returncode == 2
     assert "Name it with --forget" in done.stderr
+
+
+def test_the_whole_agent_is_told_and_compared(cli: Cli, tmp_path: Path) -> None:
+    agent = ao2viz.AO2("CartPole-v1", preset="paper", seed=1).learn(300)
+    agent.record_episode(1)
+    agent.save(tmp_path / "paper.ao2")
+    done = cli("explain", "paper.ao2", "agent", "--json")
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)["answer"]
+    assert answer["coverage"]["share"] > 0
+    assert answer["faithfulness"]["parts"]["agreed"] == answer["faithfulness"]["parts"]["tried"]
+    done = cli("explain", "paper.ao2", "mute", "--option", "0", "--episodes", "1")
+    assert done.returncode == 0, done.stderr
+    assert "Without option 0: " in done.stdout
+    done = cli("explain", "paper.ao2", "disagree", "--other", FILE)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.startswith("They disagree in ")
+    done = cli("explain", "paper.ao2", "disagree")
+    assert done.returncode == 2
+    assert "Name another agent's file with --other" in done.stderr

@@ -252,5 +252,5 @@ def test_amounts_have_the_unit_people_know():
 def test_small_words():
     assert count(1, "step") == "1 step"
     assert count(12_000, "step") == "12,000 steps"
-    assert percent(0.001) == "under 1 %"
+    assert percent(0.001) == percent(0.005) == "under 1 %"
     assert percent(0) == "0 %"
