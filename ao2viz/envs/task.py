@@ -84,6 +84,8 @@ def make_env(env_id: str, *, render: bool = False) -> gym.Env:
 def _cannot_make(env_id: str, error: Exception) -> str:
     near = [] if env_id in gym.registry else difflib.get_close_matches(env_id, gym.registry, n=2)
     hint = f" Did you mean {' or '.join(near)}?" if near else ""
+    if isinstance(error, gym.error.DependencyNotInstalled) and "box2d" in str(error).lower():
+        hint = " In short: pip install 'ao2viz[box2d]'."
     reason = str(error).strip().split("\n", maxsplit=1)[0] or type(error).__name__
     # Gymnasium guesses at names too, but not at ids that can be made.
     reason = reason.split(" Did you mean", maxsplit=1)[0].rstrip(".")

@@ -1,3 +1,5 @@
+import sys
+
 import gymnasium as gym
 import numpy as np
 import pytest
@@ -150,6 +152,33 @@ def test_action_bins_that_do_not_fit_are_refused(env_id, bins, words):
 def test_an_environment_that_cannot_be_made_says_why(env_id, words):
     with pytest.raises(ValueError, match=words):
         make_env(env_id)
+
+
+def test_a_box2d_task_without_box2d_says_which_extra_brings_it(monkeypatch):
+    # None in the table of modules is how Python says that there is no such module.
+    monkeypatch.setitem(sys.modules, "Box2D", None)
+    monkeypatch.delitem(sys.modules, "gymnasium.envs.box2d.lunar_lander", raising=False)
+    monkeypatch.delitem(sys.modules, "gymnasium.envs.box2d", raising=False)
+    with pytest.raises(ValueError, match=r"pip install 'ao2viz\[box2d\]'"):
+        make_env("LunarLander-v3")
+
+
+def test_the_lander_is_told_in_metres_and_degrees():
+    spec = describe(make_env("LunarLander-v3"))
+    shown = {f.name: (f.scale, f.unit) for f in spec.features}
+    lander = make_env("LunarLander-v3").unwrapped
+    observation, _ = lander.reset(seed=3)
+    for _ in range(20):
+        observation, *_ = lander.step(1)
+    velocity = lander.lander.linearVelocity
+    told = {f.name: x * f.scale for f, x in zip(spec.features, observation, strict=True)}
+    assert told["velocity across"] == pytest.approx(velocity.x, rel=1e-4)
+    assert told["velocity up"] == pytest.approx(velocity.y, rel=1e-4)
+    turning = np.degrees(lander.lander.angularVelocity)
+    assert told["angular velocity"] == pytest.approx(turning, rel=1e-4)
+    width = lander.lander.position.x - 10.0  # The pad is in the middle of 20 m.
+    assert told["across from the pad"] == pytest.approx(width, abs=1e-3)
+    assert shown["height"] == (pytest.approx(20 / 3), "m")
 
 
 def test_an_id_with_a_module_imports_it():
