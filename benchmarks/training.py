@@ -1,10 +1,11 @@
-"""Steps a second of learning, against the bare environment in the same run.
+"""What a step of learning takes, beside a step of the bare environment in the same run.
 
     .venv/bin/python -m benchmarks.training [--steps 20000] [--repetitions 5] [ENV …]
 
 For each environment: the environment alone under random actions, then each preset learning in
 it, alternating, so that whatever else the machine does reaches all of them alike. Shown are
-medians over the repetitions, and by how much learning is slower than the bare environment.
+medians over the repetitions, and how many steps of the bare environment a step of learning takes.
+It is the time of the processor, on one core: what else the machine does slows it, but is not in it.
 """
 
 import argparse
@@ -22,25 +23,25 @@ _COMPILED_BY = 600
 """Steps after which every kernel has been compiled: beyond the warm-up and one sleep."""
 
 
-def bare_rate(env: gym.Env, steps: int, seed: int) -> float:
-    """Steps a second of the environment alone."""
+def bare_step(env: gym.Env, steps: int, seed: int) -> float:
+    """Microseconds that a step of the environment alone takes."""
     env.action_space.seed(seed)
     actions = [env.action_space.sample() for _ in range(steps)]
     env.reset(seed=seed)
-    started = time.perf_counter()
+    started = time.process_time()
     for action in actions:
         _, _, terminated, truncated, _ = env.step(action)
         if terminated or truncated:
             env.reset()
-    return steps / (time.perf_counter() - started)
+    return 1e6 * (time.process_time() - started) / steps
 
 
-def learning_rate(env_id: str, preset: Preset, steps: int, seed: int) -> tuple[float, int]:
-    """Steps a second of learning, the sleep at the end included; and the options it grew."""
+def learning_step(env_id: str, preset: Preset, steps: int, seed: int) -> tuple[float, int]:
+    """Microseconds of a learning step, environment and sleep included; and the options it grew."""
     agent = AO2(env_id, preset=preset, seed=seed)
-    started = time.perf_counter()
+    started = time.process_time()
     agent.learn(steps)
-    return steps / (time.perf_counter() - started), len(agent.forest)
+    return 1e6 * (time.process_time() - started) / steps, len(agent.forest)
 
 
 def main() -> None:
@@ -51,8 +52,8 @@ def main() -> None:
     arguments = parser.parse_args()
     print(describe_run("benchmarks.training"))
     print(f"{arguments.steps:,} steps, seeds 0 to {arguments.repetitions - 1}, medians.\n")
-    columns = [f"{p.value}, steps/s | slower than bare | options" for p in Preset]
-    print(f"| environment | bare, steps/s | {' | '.join(columns)} |")
+    columns = [f"{p.value}, µs a step | of the bare | options" for p in Preset]
+    print(f"| environment | bare, µs a step | {' | '.join(columns)} |")
     print("|---" + "|---:" * (1 + 3 * len(Preset)) + "|")
     for env_id in arguments.env_ids or CATALOGUE:
         print(_row(env_id, arguments.steps, arguments.repetitions), flush=True)
@@ -63,21 +64,21 @@ def _row(env_id: str, steps: int, repetitions: int) -> str:
     for preset in Preset:
         AO2(env_id, preset=preset).learn(_COMPILED_BY)
     bare: list[float] = []
-    rates: dict[Preset, list[float]] = {preset: [] for preset in Preset}
+    spent: dict[Preset, list[float]] = {preset: [] for preset in Preset}
     options: dict[Preset, list[int]] = {preset: [] for preset in Preset}
     for seed in range(repetitions):
         gc.collect()
-        bare.append(bare_rate(env, steps, seed))
+        bare.append(bare_step(env, steps, seed))
         for preset in Preset:
-            rate, grown = learning_rate(env_id, preset, steps, seed)
-            rates[preset].append(rate)
+            took, grown = learning_step(env_id, preset, steps, seed)
+            spent[preset].append(took)
             options[preset].append(grown)
     alone = statistics.median(bare)
-    cells = [env_id, f"{alone:,.0f}"]
+    cells = [env_id, f"{alone:,.1f}"]
     for preset in Preset:
-        rate = statistics.median(rates[preset])
+        took = statistics.median(spent[preset])
         grown = statistics.median(options[preset])
-        cells += [f"{rate:,.0f}", f"{alone / rate:.1f}×", f"{grown:,.0f}"]
+        cells += [f"{took:,.0f}", f"{took / alone:.1f}×", f"{grown:,.0f}"]
     return "| " + " | ".join(cells) + " |"
 
 

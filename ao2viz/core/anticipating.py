@@ -9,18 +9,18 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.accommodation import MAX_LINKS, find_parent
 from ao2viz.core.arrays import Arrays, take_array
-from ao2viz.core.assimilation import assimilate, imagine_all, keep_stories, settle
+from ao2viz.core.assimilation import allocate_trace, settle
 from ao2viz.core.attention import RunningSpread, attention_from, has_changed
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
-from ao2viz.core.experience import learn_law, record
+from ao2viz.core.experience import learn_law
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
 from ao2viz.core.imagination import rules_of
 from ao2viz.core.impression import make_impression
 from ao2viz.core.inference import Reading, act, count_ends, decide
+from ao2viz.core.living import Life, Place, PlainLife, allocate_links, arrive, live, plain_life
 from ao2viz.core.local_linear import make_workspace
 from ao2viz.core.memory import (
     Memory,
@@ -31,7 +31,6 @@ from ao2viz.core.memory import (
 )
 from ao2viz.core.regrowth import regrow
 from ao2viz.core.relevance import find_relevance
-from ao2viz.core.search import ANY_ACTION, find_nearest
 from ao2viz.core.thinking import Clock, Horizon, standing_clock, think_over
 from ao2viz.core.transition import Transition
 
@@ -70,6 +69,8 @@ class AnticipatingLearner:
         memory = allocate_memory(forest, self._n_ends, config.law_degree)
         self._forest, self._experience, self._imagination = memory
         self._work = make_workspace(config.voters, self._n_features, n_actions)
+        self._trace = allocate_trace(self._rules)
+        self._links = allocate_links()
         self._observation = np.zeros(self._n_features)
         self._forget_episode()
 
@@ -95,10 +96,9 @@ class AnticipatingLearner:
         """Decides for the latest observation; see `Learner`."""
         if explore and self._rng.random() < self._epsilon():
             # What is drawn at random needs no thinking ahead.
-            decision = decide(self._forest, self._observation, self._reading(), self._work)
-            action = int(self._rng.integers(self._n_actions))
-            return replace(decision, action=action, explored=True, created=self._created)
-        return replace(self.decide_at(self._observation), created=self._created)
+            drawn = int(self._rng.integers(self._n_actions))
+            return self._ask(self._observation, self._created, drawn)
+        return self._think(self._ask(self._observation, self._created))
 
     def observe(
         self,
@@ -128,12 +128,7 @@ class AnticipatingLearner:
 
     def decide_at(self, observation: NDArray[np.float64]) -> Decision:
         """What it would do if it saw this; see `Learner`."""
-        decision = decide(self._forest, observation, self._reading(), self._work)
-        if self.config.think_ahead == 0:
-            return decision
-        horizon = Horizon(self.config.think_ahead, self.config.think_limit / 1000, self._clock)
-        mind = self._forest, self._experience, self._imagination
-        return think_over(decision, *mind, horizon, self._rules, self._work)
+        return self._think(self._ask(observation))
 
     def act_at(self, observation: NDArray[np.float64]) -> int:
         """The action of `decide_at`; see `Learner`."""
@@ -209,6 +204,19 @@ class AnticipatingLearner:
     def _reading(self) -> Reading:
         return Reading(self.config.decide_by, self.config.share_ridge, has_outlook=True)
 
+    def _ask(
+        self, observation: NDArray[np.float64], created: int = NO_OPTION, drawn: int | None = None
+    ) -> Decision:
+        return decide(self._forest, observation, self._reading(), self._work, created, drawn)
+
+    def _think(self, decision: Decision) -> Decision:
+        """The decision after thinking ahead, as far as the settings say."""
+        if self.config.think_ahead == 0:
+            return decision
+        horizon = Horizon(self.config.think_ahead, self.config.think_limit / 1000, self._clock)
+        mind = self._forest, self._experience, self._imagination
+        return think_over(decision, *mind, horizon, self._rules, self._work)
+
     def _epsilon(self) -> float:
         config = self.config
         if self.n_steps < config.warmup_steps:
@@ -219,62 +227,12 @@ class AnticipatingLearner:
     def _forget_episode(self) -> None:
         self._here = NO_OPTION
         self._created = NO_OPTION
-        self._trace_options: list[int] = []
-        self._trace_actions: list[int] = []
-        self._trace_rewards: list[float] = []
+        self._trace.used[:] = 0
 
     def _situate(self, observation: NDArray[np.float64], events: list[GrowthEvent]) -> int:
         """The option that stands for an observation, accommodated if there is none."""
-        forest, work = self._forest, self._work
-        query = forest.attention * observation
-        found = find_nearest(
-            forest.columns.places,
-            forest.columns.visits,
-            query,
-            ANY_ACTION,
-            self._rules.radius,
-            np.inf,
-            work.ids[:1],
-            work.distances[:1],
-        )
-        if found:
-            return int(work.ids[0])
-        option = self._accommodate(observation, query, events)
-        imagine_all(
-            self._forest.columns,
-            self._experience,
-            self._imagination,
-            option,
-            self._rules,
-            self._work,
-        )
-        self._created = option
-        return option
-
-    def _accommodate(
-        self,
-        observation: NDArray[np.float64],
-        query: NDArray[np.float64],
-        events: list[GrowthEvent],
-    ) -> int:
-        memory = reserve(Memory(self._forest, self._experience, self._imagination))
-        self._forest, self._experience, self._imagination = memory
-        forest, links = self._forest, np.empty(MAX_LINKS, np.int64)
-        columns = forest.columns
-        parent, covering = find_parent(
-            columns.scaled,
-            columns.first_child,
-            columns.next_sibling,
-            forest.heads[0],
-            query,
-            self._rules.levels,
-            links,
-        )
-        created = forest.add(observation, int(parent), self.n_steps)
-        events.append(created)
-        for extra in np.sort(links[:covering]):
-            events.append(forest.link(int(extra), created.option, self.n_steps))
-        return created.option
+        query = self._forest.attention * observation
+        return self._settle_in(arrive(self._roomy_life(), observation, query, self.n_steps), events)
 
     def _learn(self, step: Transition, events: list[GrowthEvent]) -> None:
         """Records a step, finds where it led, and thinks; `_here` moves on."""
@@ -282,52 +240,47 @@ class AnticipatingLearner:
         if self._impression is not None:
             gap = step.before - forest.columns.values[option]
             self._impression.move(self._spread_attention() * gap, step.reward)
-        record(
-            forest.columns.visits,
-            self._experience,
+        place = live(
+            self._roomy_life(),
             option,
             step.action,
-            forest.attention * step.before,
-            forest.attention * step.after,
             step.reward,
+            forest.attention * step.before,
+            step.after,
+            forest.attention * step.after,
             step.terminated,
-            self.config.experience_cap,
+            step.ended,
+            self.n_steps,
         )
-        self._trace_options.append(option)
-        self._trace_actions.append(step.action)
-        self._trace_rewards.append(step.reward)
-        # A state where the task ended is no option: the chance of ending is learned instead.
-        self._here = NO_OPTION if step.terminated else self._situate(step.after, events)
-        self._keep_stories(step.ended)
-        recent = np.array(self._trace_options[-self.config.trace_length :], np.int64)
-        assimilate(
-            self._forest.columns,
-            self._experience,
-            self._imagination,
-            self._forest.heads,
-            option,
-            step.action,
-            recent,
-            self._cursors,
-            self._rules,
-            self._work,
+        self._here = self._settle_in(place, events)
+
+    def _roomy_life(self) -> PlainLife:
+        """Everything that learning needs, with room for one more option."""
+        memory = reserve(Memory(self._forest, self._experience, self._imagination))
+        self._forest, self._experience, self._imagination = memory
+        return plain_life(
+            Life(
+                self._forest.columns,
+                self._forest.heads,
+                self._experience,
+                self._imagination,
+                self._trace,
+                self._cursors,
+                self._links,
+                self._rules,
+                self._work,
+            )
         )
 
-    def _keep_stories(self, ended: bool) -> None:
-        length = self.config.story_length
-        if length == 0 or (len(self._trace_options) < length and not ended):
-            return
-        window = slice(-length, None)
-        options = np.array(self._trace_options[window], np.int64)
-        keep_stories(
-            self._imagination,
-            options,
-            np.array(self._trace_actions[window], np.int64),
-            np.array(self._trace_rewards[window]),
-            self._here,
-            self.config.gamma,
-            len(options) - 1 if ended else 0,
-        )
+    def _settle_in(self, place: Place, events: list[GrowthEvent]) -> int:
+        """Takes note of the option that stands for where one is; gives its id."""
+        option, is_new, covering = place
+        if is_new:
+            self._created = option
+            events.append(self._forest.adopt(option, self.n_steps))
+            for parent in sorted(self._links[:covering].tolist()):
+                events.append(self._forest.link(parent, option, self.n_steps))
+        return option
 
     def _wake(self, events: list[GrowthEvent]) -> None:
         """Ends the warm-up: sets the attention, then learns from the steps that waited."""

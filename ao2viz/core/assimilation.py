@@ -1,10 +1,12 @@
 """Assimilation: letting what was experienced and imagined move the weights."""
 
+from typing import NamedTuple
+
 import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns
-from ao2viz.core.compiled import compiled
+from ao2viz.core.compiled import compiled, compiled_apart
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience
 from ao2viz.core.imagination import Imagination, Rules, backup, imagine, story_value
@@ -14,7 +16,39 @@ from ao2viz.core.local_linear import Workspace
 _SETTLED = 1e-4
 
 
+class Trace(NamedTuple):
+    """The latest steps of an episode, the newest last; room for twice as many as are asked for."""
+
+    options: NDArray[np.int64]  # [2 T]
+    actions: NDArray[np.int64]  # [2 T]
+    rewards: NDArray[np.float64]  # [2 T]
+    used: NDArray[np.int64]  # [1] rows.
+
+
+def allocate_trace(rules: Rules) -> Trace:
+    """A trace of no steps yet, long enough for these rules."""
+    rows = 2 * max(rules.trace_length, rules.story_length)
+    return Trace(
+        np.zeros(rows, np.int64), np.zeros(rows, np.int64), np.zeros(rows), np.zeros(1, np.int64)
+    )
+
+
 @compiled
+def lengthen(trace: Trace, option: int, action: int, reward: float) -> None:
+    """Adds a step to the trace; where there is no room the older half goes first."""
+    row = trace.used[0]
+    if row == trace.options.shape[0]:
+        row //= 2
+        trace.options[:row] = trace.options[row:]
+        trace.actions[:row] = trace.actions[row:]
+        trace.rewards[:row] = trace.rewards[row:]
+    trace.options[row] = option
+    trace.actions[row] = action
+    trace.rewards[row] = reward
+    trace.used[0] = row + 1
+
+
+@compiled_apart
 def imagine_all(
     columns: Columns,
     experience: Experience,
@@ -103,29 +137,27 @@ def settle(
 
 @compiled
 def keep_stories(
-    imagination: Imagination,
-    options: NDArray[np.int64],
-    actions: NDArray[np.int64],
-    rewards: NDArray[np.float64],
-    end: int,
-    gamma: float,
-    first: int,
+    imagination: Imagination, trace: Trace, end: int, has_ended: bool, rules: Rules
 ) -> None:
     """Keeps the real trace that left each (option, action) if it beats the one kept so far.
 
-    The trace is `options[first:]` with its actions and rewards, ending at option `end`
-    (NO_OPTION: the task ended there). Every later start in it is a trace of its own.
+    Real traces are of `story_length` steps and lead to option `end` (NO_OPTION: the task ended
+    there); when the episode has ended, every shorter one that ends there counts as well.
     """
+    last, length = trace.used[0], rules.story_length
+    if length == 0 or (last < length and not has_ended):
+        return
+    first = max(last - length, 0)
     reward, discount = 0.0, 1.0
-    for n in range(options.shape[0] - 1, -1, -1):
-        reward = rewards[n] + gamma * reward
-        discount *= gamma
-        if n > first:
+    for n in range(last - 1, first - 1, -1):
+        reward = trace.rewards[n] + rules.gamma * reward
+        discount *= rules.gamma
+        if n > first and not has_ended:
             continue
         worth = reward
         if end >= 0:
             worth += discount * imagination.value[end]
-        option, action = int(options[n]), int(actions[n])
+        option, action = int(trace.options[n]), int(trace.actions[n])
         kept = story_value(
             imagination.story_reward[option, action],
             imagination.story_discount[option, action],

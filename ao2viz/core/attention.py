@@ -3,6 +3,8 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ao2viz.core.compiled import compiled
+
 
 class RunningSpread:
     """Mean and standard deviation of every observation so far (Welford, 1962).
@@ -15,16 +17,21 @@ class RunningSpread:
 
     def add(self, observation: NDArray[np.float64]) -> None:
         """Takes one more observation [D] into account."""
-        count, mean, squares = self.moments
-        count += 1
-        gap = observation - mean
-        mean += gap / count
-        squares += gap * (observation - mean)
+        _add(self.moments, observation)
 
     @property
     def deviation(self) -> NDArray[np.float64]:
         """[D] standard deviations; 0 before the second observation."""
         return np.sqrt(self.moments[2] / np.maximum(self.moments[0], 1))
+
+
+@compiled
+def _add(moments: NDArray[np.float64], observation: NDArray[np.float64]) -> None:
+    for d in range(observation.shape[0]):
+        moments[0, d] += 1.0
+        gap = observation[d] - moments[1, d]
+        moments[1, d] += gap / moments[0, d]
+        moments[2, d] += gap * (observation[d] - moments[1, d])
 
 
 def attention_from(deviation: NDArray[np.float64], width: float) -> NDArray[np.float64]:

@@ -1,7 +1,7 @@
 """The growing arrays of a forest, and the compiled code that keeps the tree in them sound."""
 
 from collections.abc import Iterator
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,25 @@ class Columns(NamedTuple):
     weights: NDArray[np.float64]  # [C, A] what each action is expected to earn.
     visits: NDArray[np.int64]  # [C, A] how often each action was tried here.
     places: Index  # Where the living options lie; grows at its own pace.
+
+
+# numba finds the type of a plain tuple several times faster than that of a NamedTuple, and it asks
+# at every call from Python. Where that happens every step, structs are handed over as plain tuples
+# and get their names back inside.
+PlainColumns = tuple[Any, ...]
+"""What `to_plain` makes of columns."""
+
+
+def to_plain(columns: Columns) -> PlainColumns:
+    """The columns as plain tuples, for compiled code that calls `to_columns`."""
+    return (*columns[:-1], tuple(columns.places))
+
+
+@compiled
+def to_columns(plain: PlainColumns) -> Columns:
+    """The columns that `to_plain` took the names off."""
+    # All but the last: ten, which a type checker cannot know.
+    return Columns(*plain[:-1], Index(*plain[-1]))  # pyright: ignore[reportCallIssue]
 
 
 @compiled

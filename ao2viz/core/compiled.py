@@ -21,11 +21,30 @@ FunctionT = TypeVar("FunctionT", bound=Callable)
 
 
 def compiled(function: FunctionT) -> FunctionT:
-    """Compiles a function when it is first called; later processes load it from disk."""
+    """Compiles a function when it is first called; later processes load it from disk.
+
+    It becomes part of every compiled function that calls it: handing a struct of arrays from one
+    to another takes longer than many of them do.
+    """
+    return _compile(function, is_part=True)
+
+
+def compiled_apart(function: FunctionT) -> FunctionT:
+    """As `compiled`, but compiled code calls it: for what is long, and called from many places.
+
+    As a part of each of them, it would take minutes to compile.
+    """
+    return _compile(function, is_part=False)
+
+
+def _compile(function: FunctionT, is_part: bool) -> FunctionT:
     before = _config.CACHE_DIR
     _config.CACHE_DIR = str(_FOLDER)
     try:
-        return cast(FunctionT, numba.njit(cache=True)(function))
+        # A division by zero gives infinity: a loop that might raise an error instead cannot be
+        # taken several steps at a time. Neither option changes a bit of what is computed.
+        made = numba.njit(cache=True, error_model="numpy", forceinline=is_part)(function)
+        return cast(FunctionT, made)
     finally:
         _config.CACHE_DIR = before
 

@@ -117,8 +117,12 @@ class Forest:
         self.reserve(1)
         value = np.asarray(value, np.float64)
         option = add_row(self.columns, self.heads, value, self.attention * value, parent, step)
+        return self.adopt(int(option), step)
+
+    def adopt(self, option: int, step: int) -> GrowthEvent:
+        """Takes note of an option that compiled accommodation has just added."""
         self.revision += 1
-        return GrowthEvent(step, GrowthKind.CREATED, int(option), parent)
+        return GrowthEvent(step, GrowthKind.CREATED, option, int(self.columns.parents[option]))
 
     @property
     def links(self) -> NDArray[np.int64]:
@@ -152,10 +156,8 @@ class Forest:
         """
         ids, distances = np.empty(count, np.int64), np.empty(count, np.float64)
         query = self.attention * np.asarray(observation, np.float64)
-        columns = self.columns
-        found = find_nearest(
-            columns.places, columns.visits, query, action, np.inf, np.inf, ids, distances
-        )
+        places, visits = self.columns.places, self.columns.visits
+        found = find_nearest(places, visits, query, action, np.inf, np.inf, ids, distances)
         return ids[:found], distances[:found]
 
     def remove(self, option: int, step: int, heir: int = NO_OPTION) -> list[GrowthEvent]:

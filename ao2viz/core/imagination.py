@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns, distance
-from ao2viz.core.compiled import compiled
+from ao2viz.core.compiled import compiled, compiled_apart
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience, count_visits, predict
@@ -30,6 +30,8 @@ class Rules(NamedTuple):
     refreshes: int
     backups: int
     slip: float
+    trace_length: int
+    story_length: int
 
 
 def rules_of(config: AnticipatingConfig) -> Rules:
@@ -45,6 +47,8 @@ def rules_of(config: AnticipatingConfig) -> Rules:
         refreshes=config.refreshes,
         backups=config.backups,
         slip=config.slip,
+        trace_length=config.trace_length,
+        story_length=config.story_length,
     )
 
 
@@ -134,7 +138,7 @@ def repeat(
     return steps, float(reward), float(discount)
 
 
-@compiled
+@compiled_apart
 def imagine(
     columns: Columns,
     experience: Experience,

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.compiled import compiled
+from ao2viz.core.compiled import compiled, compiled_apart
 
 BUCKET = 32
 """Options a bucket holds."""
@@ -97,7 +97,7 @@ def _allocate(buckets: int, n_features: int) -> Index:
     )
 
 
-@compiled
+@compiled_apart
 def index_option(index: Index, scaled: NDArray[np.float64], option: int) -> None:
     """Adds an option at its scaled value; `with_room` must have been asked before."""
     node, rebuilt = 0, NONE
@@ -210,7 +210,7 @@ def _release(index: Index, top: int, options: NDArray[np.int64]) -> int:
     return found
 
 
-@compiled
+@compiled_apart
 def _build(index: Index, scaled: NDArray[np.float64], top: int, options: NDArray[np.int64]) -> None:
     """Builds the tree of these options, which it sorts, below a node that has nothing below."""
     spare = index.heads[_ROOM] - _buckets_for(options.shape[0])

@@ -6,8 +6,8 @@ from zlib import crc32
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.columns import Columns, distance
-from ao2viz.core.compiled import compiled
+from ao2viz.core.columns import Columns, PlainColumns, distance, to_columns, to_plain
+from ao2viz.core.compiled import compiled, compiled_apart
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import Forest
 from ao2viz.core.local_linear import (
@@ -93,7 +93,7 @@ def find_shares(
     return count
 
 
-@compiled
+@compiled_apart
 def weigh_by_vote(
     columns: Columns,
     query: NDArray[np.float64],
@@ -116,7 +116,7 @@ def weigh_by_vote(
     return count
 
 
-@compiled
+@compiled_apart
 def weigh_by_path(
     columns: Columns,
     query: NDArray[np.float64],
@@ -212,59 +212,151 @@ def choose_action(
     The paper settles ties at random. So that the same observation always gets the same action,
     the toss is taken from the observation's own bits, those of −0 taken for those of 0.
     """
-    tied = np.flatnonzero(action_values == action_values.max())
-    if len(tied) == 1:
-        return int(tied[0]), False
+    # A few numbers: a list of them is faster than an array.
+    values = action_values.tolist()
+    most = max(values)
+    if values.count(most) == 1:
+        return values.index(most), False
+    tied = np.flatnonzero(action_values == most)
     return int(tied[crc32((observation + 0.0).tobytes()) % len(tied)]), True
 
 
 def act(forest: Forest, observation: NDArray[np.float64], reading: Reading, work: Workspace) -> int:
     """The action of `decide`, without the record of what led to it; for long evaluations."""
-    action_values, _ = _weigh(forest, observation, reading, work)
+    action_values = _judge(*_question(forest, observation, reading, work))
     return choose_action(action_values, observation)[0]
 
 
 def decide(
-    forest: Forest, observation: NDArray[np.float64], reading: Reading, work: Workspace
+    forest: Forest,
+    observation: NDArray[np.float64],
+    reading: Reading,
+    work: Workspace,
+    created: int = NO_OPTION,
+    drawn: int | None = None,
 ) -> Decision:
     """The greedy decision for an observation [D], with everything that led to it.
 
-    With an empty forest nobody speaks, every action is expected to earn 0, and it is a tie.
+    With an empty forest nobody speaks, every action is expected to earn 0, and it is a tie. The
+    option that was `created` for the observation goes into the record; and where exploration has
+    `drawn` an action, that one is taken.
     """
-    action_values, count = _weigh(forest, observation, reading, work)
-    speaking = count if reading.decide_by is DecideBy.VOTE else min(count, 1)
-    voters = work.ids[:speaking].copy()
-    length = int(forest.columns.depths[voters].max()) + 1 if speaking else 0
-    paths = np.full((speaking, length), NO_OPTION, np.int64)
-    distances = np.full((speaking, length), np.nan)
-    trace_paths(forest.columns, forest.attention * observation, voters, paths, distances)
-    best, is_tie = choose_action(action_values, observation)
+    account = _account(*_question(forest, observation, reading, work), forest.attention)
+    best, is_tie = choose_action(account.action_values, observation)
     return Decision(
         observation=observation,
-        action=best,
+        action=best if drawn is None else drawn,
         decide_by=reading.decide_by,
-        action_values=action_values,
-        voters=voters,
-        shares=work.shares[:speaking].copy(),
-        voter_weights=forest.columns.weights[voters],
-        slopes=work.slopes * forest.attention,
-        paths=paths,
-        path_distances=distances,
-        runner_up_option=int(work.ids[1]) if count > 1 else NO_OPTION,
-        runner_up_distance=float(work.distances[1]) if count > 1 else np.nan,
-        explored=False,
+        action_values=account.action_values,
+        voters=account.voters,
+        shares=account.shares,
+        voter_weights=account.voter_weights,
+        slopes=account.slopes,
+        paths=account.paths,
+        path_distances=account.path_distances,
+        runner_up_option=account.runner_up_option,
+        runner_up_distance=account.runner_up_distance,
+        explored=drawn is not None,
         is_tie=is_tie,
+        created=created,
     )
 
 
-def _weigh(
+_Question = tuple[PlainColumns, tuple[NDArray, ...], NDArray[np.float64], bool, bool, float]
+
+
+def _question(
     forest: Forest, observation: NDArray[np.float64], reading: Reading, work: Workspace
-) -> tuple[NDArray[np.float64], int]:
-    """What each action is expected to earn [A], and how many options were looked at."""
-    action_values = np.zeros(forest.n_actions)
-    query = forest.attention * observation
-    columns, ridge = forest.columns, reading.ridge
-    if reading.decide_by is DecideBy.VOTE:
-        return action_values, weigh_by_vote(columns, query, ridge, work, action_values)
-    count = weigh_by_path(columns, query, reading.has_outlook, ridge, work, action_values)
-    return action_values, count
+) -> _Question:
+    """What compiled code must be given to tell what to do."""
+    return (
+        to_plain(forest.columns),
+        tuple(work),
+        forest.attention * observation,
+        reading.decide_by is DecideBy.VOTE,
+        reading.has_outlook,
+        reading.ridge,
+    )
+
+
+@compiled
+def _judge(
+    plain: PlainColumns,
+    plain_work: tuple[NDArray, ...],
+    query: NDArray[np.float64],
+    is_vote: bool,
+    has_outlook: bool,
+    ridge: float,
+) -> NDArray[np.float64]:
+    """What each action is expected to earn [A]."""
+    columns, work = to_columns(plain), Workspace(*plain_work)
+    action_values = np.zeros(columns.weights.shape[1])
+    _weigh(columns, work, query, is_vote, has_outlook, ridge, action_values)
+    return action_values
+
+
+class _Account(NamedTuple):
+    """What compiled code tells of a decision; its arrays belong to nobody else."""
+
+    action_values: NDArray[np.float64]
+    voters: NDArray[np.int64]
+    shares: NDArray[np.float64]
+    voter_weights: NDArray[np.float64]
+    slopes: NDArray[np.float64]
+    paths: NDArray[np.int64]
+    path_distances: NDArray[np.float64]
+    runner_up_option: int
+    runner_up_distance: float
+
+
+@compiled
+def _account(
+    plain: PlainColumns,
+    plain_work: tuple[NDArray, ...],
+    query: NDArray[np.float64],
+    is_vote: bool,
+    has_outlook: bool,
+    ridge: float,
+    attention: NDArray[np.float64],
+) -> _Account:
+    """What each action is expected to earn, and who says so."""
+    columns, work = to_columns(plain), Workspace(*plain_work)
+    action_values = np.zeros(columns.weights.shape[1])
+    count = _weigh(columns, work, query, is_vote, has_outlook, ridge, action_values)
+    speaking = count if is_vote else min(count, 1)
+    voters = work.ids[:speaking].copy()
+    weights = np.empty((speaking, columns.weights.shape[1]))
+    length = 0
+    for n in range(speaking):
+        weights[n] = columns.weights[voters[n]]
+        length = max(length, columns.depths[voters[n]] + 1)
+    paths = np.full((speaking, length), NO_OPTION, np.int64)
+    distances = np.full((speaking, length), np.nan)
+    trace_paths(columns, query, voters, paths, distances)
+    return _Account(
+        action_values,
+        voters,
+        work.shares[:speaking].copy(),
+        weights,
+        work.slopes * attention,
+        paths,
+        distances,
+        work.ids[1] if count > 1 else NO_OPTION,
+        work.distances[1] if count > 1 else np.nan,
+    )
+
+
+@compiled
+def _weigh(
+    columns: Columns,
+    work: Workspace,
+    query: NDArray[np.float64],
+    is_vote: bool,
+    has_outlook: bool,
+    ridge: float,
+    action_values: NDArray[np.float64],
+) -> int:
+    """Writes what each action is expected to earn; returns how many options were looked at."""
+    if is_vote:
+        return weigh_by_vote(columns, query, ridge, work, action_values)
+    return weigh_by_path(columns, query, has_outlook, ridge, work, action_values)

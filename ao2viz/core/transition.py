@@ -27,4 +27,5 @@ class Transition(NamedTuple):
         """The step that `to_row` wrote."""
         d = (len(row) - 4) // 2
         action, reward, terminated, ended = row[2 * d :].tolist()
-        return cls(row[:d], int(action), reward, row[d : 2 * d], bool(terminated), bool(ended))
+        before, after = row[:d].copy(), row[d : 2 * d].copy()
+        return cls(before, int(action), reward, after, bool(terminated), bool(ended))

@@ -2,6 +2,7 @@
 
 import difflib
 import itertools
+import math
 import os
 import sys
 import warnings
@@ -172,7 +173,8 @@ def to_observation(raw: Any, spec: TaskSpec) -> NDArray[np.float64]:
             f"Expected an observation of shape ({spec.n_features},), one number per feature of "
             f"{spec.env_id}, but it had shape {observation.shape}."
         )
-    if not np.isfinite(observation).all():
+    # Asked of a few numbers at every step, and faster of each than of an array.
+    if not all(map(math.isfinite, observation.tolist())):
         bad = np.flatnonzero(~np.isfinite(observation))
         told = ", ".join(f"{spec.features[i].name} = {observation[i]}" for i in bad)
         raise ValueError(f"Expected finite observations, but {spec.env_id} gave {told}.")

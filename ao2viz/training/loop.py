@@ -1,5 +1,6 @@
 """Where an agent meets its environment: the only code that resets and steps one for an agent."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -61,7 +62,7 @@ def step(
         reward = float(raw_reward)
     except (TypeError, ValueError):
         reward = np.nan
-    if not np.isfinite(reward):
+    if not math.isfinite(reward):
         raise ValueError(
             f"Expected a finite number as reward, but {spec.env_id} gave {raw_reward!r} after "
             f"{spec.action_names[action]!r}."

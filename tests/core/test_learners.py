@@ -1,5 +1,8 @@
 """What both learners promise: the same seed, the same mind; the path shown, the path taken."""
 
+import copy
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -174,6 +177,22 @@ def test_every_decision_tells_exactly_what_led_to_it(preset, decide_by):
         if len(others) and np.isfinite(others.min()):
             np.testing.assert_allclose(decision.runner_up_distance, others.min(), rtol=1e-12)
     assert spoke > 300
+
+
+@pytest.mark.parametrize("decide_by", list(DecideBy))
+@pytest.mark.parametrize("preset", PRESETS)
+def test_a_decision_stays_as_it_was_made_whatever_is_decided_and_learned_later(preset, decide_by):
+    decisions, then = [], []
+    for decision, _, _ in live(new_learner(preset, decide_by=decide_by), Valley(3), 300):
+        decisions.append(decision)
+        then.append(copy.deepcopy(decision))
+    assert any(len(decision.voters) for decision in decisions)
+    for decision, before in zip(decisions, then, strict=True):
+        for field in dataclasses.fields(decision):
+            now, once = getattr(decision, field.name), getattr(before, field.name)
+            np.testing.assert_array_equal(now, once, err_msg=field.name)
+        with pytest.raises(dataclasses.FrozenInstanceError, match="action"):
+            decision.action = 0
 
 
 @pytest.mark.parametrize("preset", PRESETS)
