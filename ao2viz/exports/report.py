@@ -208,6 +208,16 @@ def _step(step: Step, content: Content) -> dict[str, Any]:
         "a": decision.action,
         "s": step.said.reason,
         "k": list(step.said.marks),
+        "w": [
+            [option, percent(share), int(np.argmax(weights))]
+            for option, share, weights in zip(
+                decision.voters.tolist(),
+                decision.shares.tolist(),
+                decision.voter_weights,
+                strict=True,
+            )
+            if share > 0
+        ],
         "p": path,
         "v": _told_apart(decision.action_values.tolist()),
         "n": decision.action_values.tolist(),

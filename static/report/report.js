@@ -56,6 +56,17 @@
       return row;
     });
     get("actions").tBodies[0].replaceChildren(...rows);
+    get("vote").hidden = step.w.length < 2;
+    const voters = step.w.map(([option, share, preferred]) => {
+      const row = element("tr");
+      const name = element("th", `option ${option}`);
+      name.scope = "row";
+      const prefers = element("td");
+      prefers.append(dot(data.colors[preferred]), ` ${data.actions[preferred]}`);
+      row.append(name, prefers, element("td", share, "num"));
+      return row;
+    });
+    get("voters").tBodies[0].replaceChildren(...voters);
     const seen = step.o.map((value, i) => {
       const row = element("tr");
       const name = element("th", data.features[i]);

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 from playwright.sync_api import Browser, Page, expect
 
-from ao2viz import export
+from ao2viz import AO2, export
 from ao2viz.store.saved import SavedAgent
 from tests.exports.agents import HOSTILE, HOSTILE_ACTIONS, HOSTILE_TITLE, hostile, shipped
 
@@ -163,6 +163,19 @@ def test_nothing_sticks_out_and_everything_can_be_read(
         }"""
     )
     assert contrast >= 4.5  # WCAG 2.2, 1.4.3.
+
+
+def test_a_vote_shows_who_voted(open_report: OpenReport) -> None:
+    agent = AO2("CartPole-v1", seed=0, decide_by="vote").learn(400)
+    episode = agent.record_episode(1)
+    page = open_report(agent.to_saved())
+    shares = episode.decisions[0].shares
+    assert (shares > 0).sum() > 3
+    shown = page.locator("#voters tr")
+    expect(shown).to_have_count(int((shares > 0).sum()))
+    assert f"option {episode.decisions[0].voters[0]}" in shown.first.inner_text()
+    page = open_report(shipped("CartPole-v1"))
+    expect(page.locator("#vote")).to_be_hidden()
 
 
 def test_an_agent_without_episodes_has_a_page_too(open_report: OpenReport) -> None:
