@@ -1,5 +1,7 @@
 """The forest and a path as drawings: what the dashboard shows, for pages, papers and films."""
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -97,10 +99,14 @@ class ForestPicture:
         ring = max(3.5, 0.55 * self.unit)
         shapes: list[Shape] = [Polyline(places, theme.path, max(2.0, 0.16 * self.unit))]
         shapes += [Ring((x, y), ring, theme.path, 2.0) for x, y in places.tolist()]
-        for option, (x, y) in zip(known[[0, -1]].tolist(), places[[0, -1]].tolist(), strict=True):
-            shapes.append(Text(x + ring + 4, y - ring, str(option), size, theme.path, is_bold=True))
-            if len(known) == 1:
-                break
+        # Each id stands on the side that leads away from the other end, so they stay apart.
+        goes_right = bool(places[-1, 0] >= places[0, 0])
+        ends = [(0, not goes_right), (-1, goes_right)] if len(known) > 1 else [(0, True)]
+        for end, is_right in ends:
+            x, y = places[end].tolist()
+            at = x + ring + 4 if is_right else x - ring - 4
+            anchor = "start" if is_right else "end"
+            shapes.append(Text(at, y - ring, str(known[end]), size, theme.path, True, anchor))
         return shapes
 
     @property
@@ -268,21 +274,16 @@ def _link(x: float, top: float, bottom: float, theme: Theme) -> Segments:
 
 
 def _moved(shape: Shape, x: float, y: float) -> Shape:
-    """The shape, shifted; of those kinds that the inside of a forest has."""
+    """The shape, shifted."""
     by = np.array([x, y])
     match shape:
         case Segments():
-            return Segments(shape.ends + by, shape.color, shape.width, shape.opacity)
+            return replace(shape, ends=shape.ends + by)
         case Dots():
-            return Dots(shape.centres + by, shape.radii, shape.colors)
+            return replace(shape, centres=shape.centres + by)
         case Polyline():
-            return Polyline(shape.points + by, shape.color, shape.width, shape.opacity)
+            return replace(shape, points=shape.points + by)
         case Ring():
-            centre = (shape.centre[0] + x, shape.centre[1] + y)
-            return Ring(centre, shape.radius, shape.color, shape.width)
-        case Text():
-            return Text(
-                shape.x + x, shape.y + y, shape.text, shape.size, shape.color, shape.is_bold
-            )
-        case Box():
-            return Box(shape.x + x, shape.y + y, shape.width, shape.height, shape.color)
+            return replace(shape, centre=(shape.centre[0] + x, shape.centre[1] + y))
+        case Text() | Box():
+            return replace(shape, x=shape.x + x, y=shape.y + y)

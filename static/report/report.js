@@ -91,7 +91,14 @@
     for (const [i, [option, [x, y]]] of places.entries()) {
       parts.push(drawn("circle", { cx: x, cy: y, r: ring, class: "way", "stroke-width": 2 * unit }));
       if (i === 0 || i === places.length - 1) {
-        const name = drawn("text", { x: x + ring + 3 * unit, y: y - ring, class: "way-name", "font-size": 15 * unit });
+        // On the side that leads away from the other end, so that the two stay apart.
+        const goesRight = places.at(-1)[1][0] >= places[0][1][0];
+        const isRight = places.length === 1 || (i === 0) !== goesRight;
+        const away = ring + 3 * unit;
+        const name = drawn("text", {
+          x: isRight ? x + away : x - away, y: y - ring, class: "way-name",
+          "font-size": 15 * unit, "text-anchor": isRight ? "start" : "end",
+        });
         name.textContent = option;
         parts.push(name);
       }

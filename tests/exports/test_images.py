@@ -1,5 +1,6 @@
 """Pictures drawn without a browser: sound SVG, and PNG that shows what it should."""
 
+import itertools
 from dataclasses import replace
 from xml.etree import ElementTree
 
@@ -49,6 +50,24 @@ def test_a_step_adds_its_path_and_sentence(cartpole: SavedAgent, write: Export) 
     assert more == len(decision.path)
     assert str(decision.path[-1]) in texts(shown)
     assert any("Expected to earn" in text for text in texts(shown))
+
+
+def test_the_ids_at_both_ends_of_a_path_stay_apart(cartpole: SavedAgent) -> None:
+    for decision in cartpole.episodes[0].decisions:
+        root = ElementTree.fromstring(
+            to_svg(draw_forest(cartpole.forest_view(), cartpole.spec, decision)).encode()
+        )
+        ids = [node for node in root.iter(f"{SVG}text") if (node.text or "").isdigit()]
+        assert [node.text for node in ids] == [
+            str(i) for i in dict.fromkeys(decision.path[[0, -1]])
+        ]
+        spans = []
+        for node in ids:
+            wide = text_width(node.text or "", 15, is_bold=True)
+            left = float(node.attrib["x"]) - (wide if node.attrib["text-anchor"] == "end" else 0)
+            spans.append((left, left + wide))
+        spans.sort()
+        assert all(one[1] <= other[0] for one, other in itertools.pairwise(spans))
 
 
 def test_png_shows_the_colours_of_the_actions_and_the_path(
