@@ -226,8 +226,9 @@ class Dashboard:
             return Session(source=None, is_playing=False, form=form)
         first = next((i for i in shelf if i.label.startswith(_FIRST)), shelf[0])
         if self._library.extra is not None:
-            first = shelf[0]
-        return Session(source=first.path, form=form)
+            return Session(source=shelf[0].path, form=form)
+        # Nobody has asked for this one, so it does not say what to train either.
+        return Session(source=first.path, form=form, form_source=first.path)
 
     def _perform(self, client_id: int, effect: Effect) -> None:
         match effect:

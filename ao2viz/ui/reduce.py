@@ -142,7 +142,9 @@ def _fill_in_task(session: Session, world: World) -> Session:
 
 
 def follow(session: Session, before: RunUpdate, now: RunUpdate) -> Session:
-    """Keeps a browser that watches the run at its latest step."""
+    """Keeps a browser that watches the run at its latest step; a new run is another forest."""
+    if session.source is None and now.run_id != before.run_id:
+        session = _forget_options(session)
     if session.source is not None or now.episode is before.episode:
         return session
     latest = max(0, len(now.episode) - 1) if now.episode is not None else 0
@@ -183,13 +185,9 @@ def _watch(session: Session, path: Path | None, world: World) -> Session:
         episode=0,
         position=0.0,
         is_playing=path is not None,
-        selected=NO_OPTION,
-        opened=None,
-        trail=(),
-        trail_at=-1,
-        look=forget_place(session.look),
         fits=session.fits + 1,
     )
+    session = _forget_options(session)
     if path is None and world.update.episode is not None:
         return replace(session, position=float(max(0, len(world.update.episode) - 1)))
     return session
@@ -200,6 +198,18 @@ def _explore(session: Session, command: Exploring, world: World) -> Result:
     decision = decision_of(session, world)
     session, problem = explore(session, command, forest, spec, decision)
     return session, ((Notify("Not here", problem),) if problem else ())
+
+
+def _forget_options(session: Session) -> Session:
+    """What was chosen among the options of one forest means nothing in another."""
+    return replace(
+        session,
+        selected=NO_OPTION,
+        opened=None,
+        trail=(),
+        trail_at=-1,
+        look=forget_place(session.look),
+    )
 
 
 def _fill_in(form: Form, field: Field, value: str | int) -> Form:

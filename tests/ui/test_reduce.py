@@ -45,7 +45,7 @@ from ao2viz.ui.commands import (
 from ao2viz.ui.downloads import Notify
 from ao2viz.ui.look import Look
 from ao2viz.ui.reduce import PickOption, advance, follow, reduce, run_command
-from ao2viz.ui.session import OTHER_ENV, Form, Session
+from ao2viz.ui.session import OTHER_ENV, Form, Place, Session
 from ao2viz.ui.view import project
 from ao2viz.ui.world import LoadFailure, ShelfItem, World
 from tests.forests import cartpole, decision, small_view
@@ -329,3 +329,13 @@ def test_what_was_folded_is_forgotten_with_another_agent():
     look = Look(folded=frozenset({1}), axes=(1, 2), coloring=Coloring.AGE, deepest=2)
     elsewhere = after(watching(look=look), ChooseSource(None))
     assert elsewhere.look == Look(coloring=Coloring.AGE, deepest=2)
+
+
+def test_a_new_run_is_another_forest_where_nothing_is_selected_yet():
+    before, now = RunUpdate(run_id=1), RunUpdate(run_id=2)
+    chosen = Session(selected=3, opened=1, trail=(Place(3, 1),), trail_at=0)
+    fresh = follow(chosen, before, now)
+    assert (fresh.selected, fresh.opened, fresh.trail) == (NO_OPTION, None, ())
+    assert follow(chosen, before, replace(before, n_steps=9)) == chosen
+    elsewhere = replace(chosen, source=FILE)
+    assert follow(elsewhere, before, now) == elsewhere
