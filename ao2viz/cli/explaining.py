@@ -1,6 +1,9 @@
 """`ao2viz explain`: one question about one decision, answered in sentences, a table or JSON."""
 
 import contextlib
+import ctypes
+import os
+import sys
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -161,7 +164,8 @@ def _answer(
         case Question.FLIP:
             return explain.flips(situation)
         case Question.NEAREST_FLIP:
-            return _search(explain, situation, asked.time_limit_s)
+            with _only_python_prints():
+                return _search(explain, situation, asked.time_limit_s)
         case Question.AHEAD:
             return explain.ahead(situation, asked.steps)
         case Question.NOVELTY:
@@ -191,6 +195,29 @@ def _weight_asked(view: ForestView, asked: Asked, situation: Decision | None) ->
         best = int(np.argmax(view.weights[option])) if known else 0
         action = str(best if situation is None else situation.action)
     return option, action
+
+
+@contextlib.contextmanager
+def _only_python_prints() -> Iterator[None]:
+    """Keeps what a compiled library prints out of the result: now and then the solver does."""
+    sys.stdout.flush()
+    try:
+        number = sys.stdout.fileno()
+    except (OSError, ValueError):  # Not a real file, as in some notebooks.
+        yield
+        return
+    kept = os.dup(number)
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, number)
+    try:
+        yield
+    finally:
+        # What C has not written yet would come out later, behind the result.
+        with contextlib.suppress(OSError, TypeError):
+            ctypes.CDLL(None).fflush(None)
+        os.dup2(kept, number)
+        os.close(kept)
+        os.close(nowhere)
 
 
 @contextlib.contextmanager

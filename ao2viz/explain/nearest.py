@@ -66,6 +66,9 @@ TOLERANCE = 1e-4
 _SOLVER = 1e-5
 # Lazily added options at a time, and how much nearer one must be to count as left out.
 _ADDED, _VIOLATED = 3, 1e-7
+# Closer to the end of what is within reach, a place counts as beyond it: the solver drops numbers
+# that are smaller still.
+_TINY = 1e-7
 # Of distances, compared with what they are made of.
 _ROUNDING = 1e-12
 # What SciPy's `milp` calls the two outcomes.
@@ -328,10 +331,10 @@ class Program:
         for other in others.tolist():
             row, limit = {2 * n + d: 1.0 for d in range(n)}, -margin
             for d, c in enumerate(other):
-                if c <= self._low[d]:  # |y − c| is y − c all the way.
+                if c <= self._low[d] + _TINY:  # |y − c| is y − c all the way.
                     row[d] = row.get(d, 0.0) - 1.0
                     limit -= c
-                elif c >= self._high[d]:
+                elif c >= self._high[d] - _TINY:
                     row[d] = row.get(d, 0.0) + 1.0
                     limit += c
                 else:

@@ -54,6 +54,15 @@ def test_every_question_is_answered_about_an_observation(cli: Cli) -> None:
     assert asked(cli, "novelty", *arguments)["answer"]["is_alarm"] is False
 
 
+def test_what_the_solver_prints_by_itself_stays_out_of_the_result(cli: Cli) -> None:
+    # Around this state the solver's library prints lines of its own, past Python.
+    file = str(saved_schemas() / "MountainCar-v0.ao2")
+    arguments = ("--episode", "1", "--step", "6", "--time-limit", "30", "--json")
+    done = cli("explain", file, "nearest-flip", *arguments)
+    assert done.returncode == 0, done.stderr
+    assert json.loads(done.stdout)["answer"]["flipped"] is not None
+
+
 def test_a_weight_is_told_by_option_and_action_number(cli: Cli) -> None:
     done = cli("explain", FILE, "weight", "--option", "0", "--action", "1")
     assert done.returncode == 0, done.stderr
