@@ -26,7 +26,7 @@ def report(page=None, rows=ROWS) -> str:
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 
 
-@pytest.mark.parametrize("name", ["results", "behaviour"])
+@pytest.mark.parametrize("name", ["results", "behaviour", "ablations"])
 def test_the_tables_in_the_documentation_are_those_of_their_runs(name):
     page = (DOCS / f"{name}.md").read_text("utf-8")
     table = DOCS / f"{name}.parquet"
