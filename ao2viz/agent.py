@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ao2viz.core.agent import make_learner
 from ao2viz.core.card import make_card
+from ao2viz.core.cleansing import Cleansed
 from ao2viz.core.config import (
     AnticipatingConfig,
     Config,
@@ -168,7 +169,33 @@ class AO2:
 
     def settle(self) -> None:
         """Lets what was learned settle; `learn` ends with it."""
-        self._learner.sleep()
+        self.growth.extend(self._learner.sleep())
+
+    def cleanse(self, tolerance: float = 0.05) -> Cleansed:
+        """Lets go of options that its decisions hardly need: a smaller agent, easier to read.
+
+        Best when learning is over: what it learns afterwards it learns with fewer options.
+
+        Args:
+            tolerance: By how much what an action is expected to earn may change where options
+                are or were, in standard deviations of what options are worth; from 0 to 1.
+
+        Returns:
+            How many options went, and how many decisions changed: at the options' values, and in
+            the states of the recorded episodes.
+
+        Raises:
+            ValueError: If the tolerance is out of range, or the preset is `paper`.
+        """
+        make_config(Preset.ANTICIPATING, {"cleansing": tolerance})
+        values = self.forest.values[self.forest.is_alive]
+        seen = np.concatenate([values, *(each.observations[:-1] for each in self.episodes)])
+        before = np.array([self._learner.act_at(row) for row in seen])
+        self.growth.extend(self._learner.cleanse(tolerance))
+        n, left = len(values), len(self.forest)
+        changed = before != np.array([self._learner.act_at(row) for row in seen])
+        in_values, in_states = int(changed[:n].sum()), int(changed[n:].sum())
+        return Cleansed(n, left, in_values, len(seen) - n, in_states)
 
     def set_decide_by(self, decide_by: DecideBy | str) -> None:
         """Switches between "vote" and "path"; allowed at any time.

@@ -167,6 +167,30 @@ def record(
 
 
 @app.command()
+def cleanse(
+    file: AgentFile,
+    out: Annotated[Path, typer.Option(help="File to save the smaller agent to.")],
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            min=0.0,
+            max=1.0,
+            help="By how much expectations may change, in standard deviations of what options "
+            "are worth.",
+        ),
+    ] = 0.05,
+    overwrite: Annotated[
+        bool, typer.Option("--overwrite", help="Replace the --out file if there is one already.")
+    ] = False,
+    as_json: Json = False,
+) -> None:
+    """Let go of options that decisions hardly need, and save a smaller agent."""
+    from ao2viz.cli.cleansing import run  # noqa: PLC0415 -- heavy.
+
+    run(file, out=out, tolerance=tolerance, overwrite=overwrite, as_json=as_json)
+
+
+@app.command()
 def sweep(
     envs: Annotated[
         list[str], typer.Argument(metavar="ENV…", help="Gymnasium environments to train on.")

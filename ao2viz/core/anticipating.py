@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ao2viz.core.arrays import Arrays, take_array
 from ao2viz.core.assimilation import allocate_trace, settle
 from ao2viz.core.attention import RunningSpread, attention_from, has_changed
+from ao2viz.core.cleansing import apply_cleansing, plan_cleansing
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.experience import learn_law
@@ -136,15 +137,38 @@ class AnticipatingLearner:
             return self.decide_at(observation).action
         return act(self._forest, observation, self._reading(), self._work)
 
-    def sleep(self) -> None:
-        """Imagines everything anew and lets the values settle; see `Learner`."""
+    def sleep(self) -> tuple[GrowthEvent, ...]:
+        """Settles, then cleanses as far as the settings say; see `Learner`."""
+        self._settle()
+        return self.cleanse(self.config.cleansing) if self.config.cleansing > 0.0 else ()
+
+    def cleanse(self, tolerance: float) -> tuple[GrowthEvent, ...]:
+        """Lets go of options that it can do without; see `Learner`.
+
+        The weights stay what was learned with all of them: to let them settle among those that
+        are left would lose again what the plan took care to keep.
+        """
+        plan = plan_cleansing(self._forest, tolerance, self._rules, self._work)
+        memory = Memory(self._forest, self._experience, self._imagination)
+        events = apply_cleansing(memory, plan, self.config.experience_cap, self.n_steps)
+        if self._here != NO_OPTION:  # In the middle of an episode.
+            self._here = int(plan.stands_for(self._forest.n_rows)[self._here])
+        if events:
+            self._imagine_anew(sweeps=0)
+        return tuple(events)
+
+    def _settle(self) -> None:
+        """Imagines everything anew by laws learned anew, and lets the values rest."""
         self._learn_laws()
+        self._imagine_anew(self.config.sleep_sweeps)
+
+    def _imagine_anew(self, sweeps: int) -> None:
         settle(
             self._forest.columns,
             self._experience,
             self._imagination,
             self._forest.heads,
-            self.config.sleep_sweeps,
+            sweeps,
             self._rules,
             self._work,
         )
@@ -331,4 +355,4 @@ class AnticipatingLearner:
             self._rules,
             self.n_steps,
         )
-        self.sleep()
+        self._settle()

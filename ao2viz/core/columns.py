@@ -73,6 +73,18 @@ def insert(columns: Columns, heads: NDArray[np.int64], row: int, parent: int) ->
 
 
 @compiled
+def insert_all(
+    columns: Columns,
+    heads: NDArray[np.int64],
+    rows: NDArray[np.int64],
+    parents: NDArray[np.int64],
+) -> None:
+    """Hangs rows that are in no tree below their `parents` [C], which must come before them."""
+    for row in rows:
+        insert(columns, heads, row, int(parents[row]))
+
+
+@compiled
 def add_row(
     columns: Columns,
     heads: NDArray[np.int64],

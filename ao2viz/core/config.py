@@ -54,6 +54,7 @@ class AnticipatingConfig:
     backups: int = 200  # Options whose weights are renewed elsewhere after each step.
     story_length: int = 0  # Steps of real traces kept beside imagination; 0: none.
     sleep_sweeps: int = 300  # The most sweeps over all options when `learn` ends.
+    cleansing: float = 0.0  # How much may change when options are let go after learning; 0: none.
     think_ahead: int = 0  # Steps of action sequences imagined for each decision; 0: none.
     think_limit: int = 0  # Milliseconds of that for each decision; 0: as long as it takes.
     action_smoothing: float = 1.0  # Share of the chosen action in what is executed, in (0, 1].
@@ -112,6 +113,7 @@ _RANGES: Mapping[str, tuple[float, float]] = {
     "backups": (0, 1_000_000),
     "story_length": (0, 10_000),
     "sleep_sweeps": (0, 1_000_000),
+    "cleansing": (0.0, 1.0),
     "think_ahead": (0, 8),
     "think_limit": (0, 60_000),
     "threshold": (0.0, 1.0),

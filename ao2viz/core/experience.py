@@ -12,7 +12,7 @@ from ao2viz.core.local_linear import Workspace, sharp_closeness, solve_local_lin
 from ao2viz.core.search import find_nearest, kernel_width
 
 # A prediction needs an option that tried the action within this many radii.
-_KNOWN_WITHIN = 4.0
+KNOWN_WITHIN = 4.0
 
 
 class Experience(NamedTuple):
@@ -162,7 +162,7 @@ def predict(
     how it differed from the law around here. Returns how many options it rests on, the first so
     many of the work space; 0 if none of them is close enough to know.
     """
-    reach = _KNOWN_WITHIN * radius
+    reach = KNOWN_WITHIN * radius
     count = find_nearest(
         columns.places,
         columns.visits,

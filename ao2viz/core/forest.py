@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.arrays import take_array
-from ao2viz.core.columns import add_row, allocate, insert, walk_siblings
+from ao2viz.core.columns import add_row, allocate, insert, insert_all, walk_siblings
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.growth import GrowthEvent, GrowthKind
 from ao2viz.core.index import check_index, forget_option, index_option, make_index, with_room
@@ -162,28 +162,43 @@ class Forest:
 
     def remove(self, option: int, step: int, heir: int = NO_OPTION) -> list[GrowthEvent]:
         """Cleanses an option; its children move up to its parent. `heir` got its experience."""
-        columns = self.columns
-        if not (0 <= option < self.n_rows and columns.is_alive[option]):
-            raise ValueError(f"There is no living option {option} to remove.")
-        parent = int(columns.parents[option])
-        self._unhook(option)
-        forget_option(columns.places, columns.scaled, option)
-        columns.is_alive[option] = False
-        columns.parents[option] = NO_OPTION
-        events = [GrowthEvent(step, GrowthKind.REMOVED, option, heir)]
-        children = list(walk_siblings(columns, int(columns.first_child[option])))
-        columns.first_child[option] = NO_OPTION
-        for child in reversed(children):
-            insert(columns, self.heads, child, parent)
-            events.append(GrowthEvent(step, GrowthKind.MOVED, child, parent))
-        parents, linked = self.links.T
-        kept = (parents != option) & (linked != option) & (columns.parents[linked] != parents)
-        remaining = self.links[kept]
+        return self.remove_all(np.array([option]), np.array([heir]), step)
+
+    def remove_all(
+        self, options: NDArray[np.int64], heirs: NDArray[np.int64], step: int
+    ) -> list[GrowthEvent]:
+        """Cleanses these options at once; children move up to the nearest ancestor that stays.
+
+        `heirs[i]` got the experience of `options[i]`, NO_OPTION: nobody did.
+        """
+        columns, n = self.columns, self.n_rows
+        gone = np.zeros(n, np.bool_)
+        for option in options.tolist():
+            if not (0 <= option < n and columns.is_alive[option]) or gone[option]:
+                raise ValueError(f"There is no living option {option} to remove.")
+            gone[option] = True
+        for option in options.tolist():
+            forget_option(columns.places, columns.scaled, option)
+        columns.is_alive[options] = False
+        old = columns.parents[:n].copy()
+        parents = np.where(gone, NO_OPTION, old)
+        while (orphaned := (parents != NO_OPTION) & gone[parents]).any():
+            parents[orphaned] = old[parents[orphaned]]
+        self.heads[0] = NO_OPTION
+        columns.parents[:n] = columns.first_child[:n] = columns.next_sibling[:n] = NO_OPTION
+        insert_all(columns, self.heads, _parents_first(parents, columns.is_alive[:n]), parents)
+        above, linked = self.links.T
+        remaining = self.links[~gone[above] & ~gone[linked] & (parents[linked] != above)]
         self.n_links = len(remaining)
         self.link_rows[: self.n_links] = remaining
-        self._measure_depths()
         self.revision += 1
-        return events
+        return [
+            GrowthEvent(step, GrowthKind.REMOVED, *pair)
+            for pair in zip(options.tolist(), heirs.tolist(), strict=True)
+        ] + [
+            GrowthEvent(step, GrowthKind.MOVED, child, int(parents[child]))
+            for child in np.flatnonzero((parents != old) & ~gone).tolist()
+        ]
 
     def set_attention(self, attention: NDArray[np.float64], step: int) -> GrowthEvent:
         """Changes the attention weights; every stored distance follows, the tree stays.
@@ -281,8 +296,7 @@ class Forest:
         columns.is_alive[:n] = is_alive
         columns.weights[:n], columns.visits[:n] = weights, visits
         fresh.heads[1] = n
-        for option in order:
-            insert(columns, fresh.heads, int(option), int(parents[option]))
+        insert_all(columns, fresh.heads, order, parents)
         fresh._index(np.flatnonzero(is_alive))
         for parent, child in links.tolist():
             if not (is_alive[parent] and is_alive[child]) or parents[child] == parent:
@@ -344,29 +358,6 @@ class Forest:
             assert columns.parents[child] != parent, f"A link doubles the tree at {child}."
         assert np.isfinite(columns.weights[:n]).all(), "A weight is not finite."
         assert (columns.visits[:n] >= 0).all(), "A visit count is negative."
-
-    def _unhook(self, option: int) -> None:
-        columns = self.columns
-        parent = int(columns.parents[option])
-        first = int(self.heads[0]) if parent == NO_OPTION else int(columns.first_child[parent])
-        siblings = list(walk_siblings(columns, first))
-        place = siblings.index(option)
-        after = columns.next_sibling[option]
-        if place > 0:
-            columns.next_sibling[siblings[place - 1]] = after
-        elif parent == NO_OPTION:
-            self.heads[0] = after
-        else:
-            columns.first_child[parent] = after
-
-    def _measure_depths(self) -> None:
-        columns = self.columns
-        stack = list(walk_siblings(columns, int(self.heads[0])))
-        while stack:
-            option = stack.pop()
-            parent = columns.parents[option]
-            columns.depths[option] = 0 if parent == NO_OPTION else columns.depths[parent] + 1
-            stack += walk_siblings(columns, int(columns.first_child[option]))
 
     def _index(self, options: NDArray[np.int64]) -> None:
         """Builds the index anew, of just these options."""

@@ -54,8 +54,16 @@ class Learner(Protocol):
         """The action of `decide_at`, without the record; for long evaluations."""
         ...
 
-    def sleep(self) -> None:
-        """Lets what was learned settle; call before evaluating."""
+    def sleep(self) -> tuple[GrowthEvent, ...]:
+        """Lets what was learned settle, and cleanses it if so set; call before evaluating."""
+        ...
+
+    def cleanse(self, tolerance: float) -> tuple[GrowthEvent, ...]:
+        """Lets go of options that it can do without; see `plan_cleansing` for the tolerance.
+
+        Raises:
+            ValueError: If this agent cannot tell which.
+        """
         ...
 
     def set_decide_by(self, decide_by: DecideBy) -> None:

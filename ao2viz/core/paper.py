@@ -100,8 +100,16 @@ class PaperLearner:
         """The action of `decide_at`; see `Learner`."""
         return act(self._forest, observation, self._reading(), self._work)
 
-    def sleep(self) -> None:
+    def sleep(self) -> tuple[GrowthEvent, ...]:
         """The paper knows no sleep; nothing is left to settle."""
+        return ()
+
+    def cleanse(self, tolerance: float) -> tuple[GrowthEvent, ...]:
+        """Refuses; see `Learner`."""
+        raise ValueError(
+            "In the paper preset every option decides by its own weights alone, so there is no "
+            "telling what is lost with one; the anticipating preset can be cleansed."
+        )
 
     def set_decide_by(self, decide_by: DecideBy) -> None:
         """Switches between vote and path; see `Learner`."""

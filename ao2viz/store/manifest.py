@@ -42,7 +42,13 @@ def _forget_splitting(manifest: Json) -> Json:
 # Settings that a file may lack: an agent without them did what these say.
 _BEHAVIOUR = {"action_smoothing": 1.0, "impression": 0.0, "max_depth": 0}
 _IF_LACKING: Mapping[Preset, Json] = {
-    Preset.ANTICIPATING: {"think_ahead": 0, "think_limit": 0, "law_degree": 0, **_BEHAVIOUR},
+    Preset.ANTICIPATING: {
+        "cleansing": 0.0,
+        "think_ahead": 0,
+        "think_limit": 0,
+        "law_degree": 0,
+        **_BEHAVIOUR,
+    },
     Preset.PAPER: _BEHAVIOUR,
 }
 

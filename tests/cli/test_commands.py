@@ -194,3 +194,23 @@ def test_list_finds_what_train_made(cli: Cli) -> None:
     made = json.loads(cli("train", "CartPole-v1", "--steps", "300", "--json").stdout)["file"]
     rows = json.loads(cli("list", "--json").stdout)
     assert made in [row["file"] for row in rows]
+
+
+def test_cleanse_saves_a_smaller_agent_and_says_what_changed(
+    cli: Cli, agent_file: Path, tmp_path: Path
+) -> None:
+    before = agent_file.read_bytes()
+    arguments = ("cleanse", str(agent_file), "--out", "small.ao2", "--tolerance", "0.5")
+    done = cli(*arguments, "--json")
+    assert done.returncode == 0, done.stderr
+    summary = json.loads(done.stdout)
+    small = ao2viz.AO2.load(tmp_path / "small.ao2")
+    assert len(small.forest) == summary["options_after"] < summary["options_before"]
+    assert summary["values_changed"] == 0
+    assert agent_file.read_bytes() == before
+    refused = cli(*arguments)
+    assert refused.returncode == 2
+    assert "small.ao2 is there already" in refused.stderr
+    text = cli(*arguments, "--overwrite").stdout
+    gone = summary["options_before"] - summary["options_after"]
+    assert f"{gone:,} of {summary['options_before']:,} options went" in text

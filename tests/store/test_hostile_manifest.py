@@ -90,7 +90,7 @@ def test_every_manifest_field_is_needed(parts, tmp_path):
                    parts.manifest["settings"], parts.manifest["episodes"][0]):  # fmt: skip
         # An agent whose file says nothing of these did without.
         newer = {"think_ahead", "think_limit", "action_smoothing", "impression", "max_depth"}
-        newer.add("law_degree")
+        newer |= {"law_degree", "cleansing"}
         for name in sorted(holder.keys() - newer):
             value = holder.pop(name)
             refuse(parts.write(tmp_path / "a.ao2"), name if name != "format" else "None")

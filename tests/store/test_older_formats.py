@@ -12,7 +12,8 @@ def format_1(parts, tmp_path):
     manifest = parts.manifest
     manifest["format_version"] = 1
     manifest["settings"] |= {"split_distance": 0.2, "voters": 16}
-    for name in ("think_ahead", "think_limit", "action_smoothing", "impression", "max_depth"):
+    lacking = ("think_ahead", "think_limit", "action_smoothing", "impression", "max_depth")
+    for name in (*lacking, "cleansing"):
         del manifest["settings"][name]
     for name in [name for name in parts.members if name.endswith("decisions/slopes.npy")]:
         parts.remove(name)
