@@ -141,7 +141,7 @@ def weigh(env_id: str) -> str:
     capacity = 1024
     parts = [
         allocate(capacity, d, a)[:-1],
-        allocate_experience(capacity, a, d),
+        allocate_experience(capacity, a, d)[:-1],  # The last part, the laws, is no option's.
         allocate_imagination(capacity, a, count_ends(agent.config.voters, d)),
     ]
     cells = [sum(array.nbytes for array in part) // capacity for part in parts]
