@@ -11,7 +11,7 @@ from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.why import offset_of
-from ao2viz.explain.words import amount, capitalised, count, number, pair, percent, signed
+from ao2viz.explain.words import amount, capitalised, count, number, percent, signed, told_apart
 
 
 @dataclass(frozen=True)
@@ -137,7 +137,7 @@ def tell_why_not(told: WhyNot, spec: TaskSpec) -> str:
     values = decision.action_values
     if not told.against:
         return f"Nothing stood against {other}: there were no options to ask yet."
-    high, low = pair(float(values[decision.action]), float(values[told.other]))
+    high, low = told_apart(float(values[decision.action]), float(values[told.other]))
     if decision.explored:
         text = f"{capitalised(chosen)} was drawn at random, to explore: nothing stood against "
         text += f"{other}. "

@@ -13,7 +13,7 @@ from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.catalogue import Feature
 from ao2viz.envs.task import TaskSpec
-from ao2viz.explain.words import amount, capitalised, count, number, pair, percent
+from ao2viz.explain.words import amount, capitalised, count, number, percent, told_apart
 
 
 @dataclass(frozen=True)
@@ -107,7 +107,7 @@ def _main_clause(decision: Decision, spec: TaskSpec) -> str:
             )
         if chosen == best:
             return f"{text}; it also was expected to earn the most, {number(values[best])}."
-        low, high = pair(float(values[chosen]), float(values[best]))
+        low, high = told_apart(float(values[chosen]), float(values[best]))
         return (
             f"{text}. {capitalised(names[best])} was expected to earn more: {high} against {low}."
         )
@@ -120,7 +120,7 @@ def _main_clause(decision: Decision, spec: TaskSpec) -> str:
     if len(values) == 1:
         return f"The only action, expected to earn {number(values[chosen])}."
     other = decision.runner_up_action
-    high, low = pair(float(values[chosen]), float(values[other]))
+    high, low = told_apart(float(values[chosen]), float(values[other]))
     more = number(decision.margin)
     return f"Expected to earn {high} against {low} for {names[other]}: {more} more."
 
@@ -129,7 +129,7 @@ def _thinking(decision: Decision, spec: TaskSpec) -> str:
     """What the plan is expected to earn, beside the best that begins otherwise."""
     values, before, names = decision.action_values, decision.outlook_values, spec.action_names
     chosen, other = decision.action, decision.runner_up_action
-    high, low = pair(float(values[chosen]), float(values[other]))
+    high, low = told_apart(float(values[chosen]), float(values[other]))
     text = _plan_clause(decision, spec)
     if decision.plan is not None and len(decision.plan.actions):
         text += f", in all {high}"
@@ -140,7 +140,7 @@ def _thinking(decision: Decision, spec: TaskSpec) -> str:
         text += f" against {low} when beginning with {names[other]}"
     if _changed_its_mind(decision):
         best = int(np.argmax(before))
-        high, low = pair(float(before[best]), float(before[chosen]))
+        high, low = told_apart(float(before[best]), float(before[chosen]))
         text += f". Without thinking, {names[best]} was expected to earn more: {high} against {low}"
     return f"{text}."
 
@@ -204,7 +204,7 @@ def _outlook(decision: Decision, spec: TaskSpec) -> str:
     """How the option's own weights and its outlook differ."""
     names, best = spec.action_names, decision.best_action
     weights = decision.voter_weights[0]
-    own, here = pair(float(weights[best]), float(decision.action_values[best]))
+    own, here = told_apart(float(weights[best]), float(decision.action_values[best]))
     text = f"its own weight for {names[best]} is {own}, its outlook here {here}"
     preferred = int(np.argmax(weights))
     if weights[preferred] > weights[best]:

@@ -25,13 +25,13 @@ def signed(value: float) -> str:
     return number(value) if value < 0 else f"+{number(value)}"
 
 
-def pair(one: float, other: float) -> tuple[str, str]:
-    """Two numbers to be compared, with enough digits to tell them apart where they differ."""
-    for digits in (3, 4, 5, 6):
-        texts = number(one, digits), number(other, digits)
-        if texts[0] != texts[1] or one == other:
+def told_apart(*values: float, digits: int = 3) -> list[str]:
+    """Numbers to be compared, with enough digits to tell them apart where they differ."""
+    for enough in range(digits, 13):
+        texts = [number(value, enough) for value in values]
+        if len(set(texts)) == len(set(values)):
             return texts
-    return f"{one!r}".replace("-", "−"), f"{other!r}".replace("-", "−")
+    return [f"{value!r}".replace("-", "−") for value in values]
 
 
 def amount(value: float, feature: Feature) -> str:

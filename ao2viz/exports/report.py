@@ -12,7 +12,7 @@ from markupsafe import Markup
 
 from ao2viz.core.config import config_to_dict
 from ao2viz.explain.sentence import path_steps
-from ao2viz.explain.words import amounts, count, number, percent, say_outcome
+from ao2viz.explain.words import amounts, count, number, percent, say_outcome, told_apart
 from ao2viz.exports.content import Content, Numbered, Step
 from ao2viz.exports.pages import summary_rows
 from ao2viz.figures.charts import margins_figure, options_figure, returns_figure
@@ -219,16 +219,7 @@ def _step(step: Step, content: Content) -> dict[str, Any]:
             if share > 0
         ],
         "p": path,
-        "v": _told_apart(decision.action_values.tolist()),
+        "v": told_apart(*decision.action_values.tolist(), digits=4),
         "n": decision.action_values.tolist(),
         "o": amounts(decision.observation, content.spec),
     }
-
-
-def _told_apart(values: list[float]) -> list[str]:
-    """Numbers with as many digits as it takes to see which is the greatest."""
-    for digits in range(4, 12):
-        texts = [number(value, digits) for value in values]
-        if len(set(texts)) == len(set(values)):
-            return texts
-    return [number(value, 12) for value in values]

@@ -9,7 +9,7 @@ from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.sentence import PathStep, explain, path_steps
-from ao2viz.explain.words import amounts, count, number, percent
+from ao2viz.explain.words import amounts, count, number, percent, told_apart
 from ao2viz.figures.palette import UNTRIED, action_colors, to_hex
 
 _SHOWN_GAPS = 2
@@ -139,6 +139,7 @@ def _action_bars(chosen: int, view: ForestView, spec: TaskSpec) -> str:
     low, high = float(weights.min()), float(weights.max())
     best = int(view.best_actions[chosen])
     bars = []
+    told = told_apart(*weights.tolist())
     for i, color in enumerate(colors_of(spec)):
         # Bars compare the actions: the worst still shows a little, the best fills the row.
         width = 100.0 if high == low else 8 + 92 * (float(weights[i]) - low) / (high - low)
@@ -147,7 +148,7 @@ def _action_bars(chosen: int, view: ForestView, spec: TaskSpec) -> str:
         tries = count(int(visits[i]), "visit") if visits[i] else "never tried"
         bars.append(
             f'<div class="ao-between"><span>{name}</span><span class="ao-num">'
-            f'{number(float(weights[i]))} <span class="ao-dim">· {tries}</span></span></div>'
+            f'{told[i]} <span class="ao-dim">· {tries}</span></span></div>'
             f'<span class="ao-bar"><span style="width:{width:.0f}%;background:{to_hex(color)}">'
             "</span></span>"
         )

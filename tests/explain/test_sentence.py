@@ -7,7 +7,7 @@ import pytest
 
 from ao2viz.core.decision import DecideBy
 from ao2viz.explain.sentence import explain, path_steps
-from ao2viz.explain.words import amount, count, number, pair, percent
+from ao2viz.explain.words import amount, count, number, percent, told_apart
 from tests.forests import SEEN, cartpole, decision, no_options, plan, small_view
 
 SPEC = cartpole()
@@ -222,7 +222,7 @@ def test_every_number_of_a_random_decision_is_in_the_record():
         values = rng.normal(scale=50, size=2)
         made = decision(action_values=values, action=int(values.argmax()), observation=SEEN)
         reason = explain(made, SPEC, small_view()).reason
-        best, other = pair(float(values.max()), float(values.min()))
+        best, other = told_apart(float(values.max()), float(values.min()))
         assert f"Expected to earn {best} against {other}" in reason
         assert f": {number(values.max() - values.min())} more." in reason
 
@@ -254,3 +254,10 @@ def test_small_words():
     assert count(12_000, "step") == "12,000 steps"
     assert percent(0.001) == percent(0.005) == "under 1 %"
     assert percent(0) == "0 %"
+
+
+def test_numbers_that_differ_look_different():
+    assert told_apart(194.584, 194.580, 3.0) == ["194.584", "194.580", "3.00000"]
+    assert told_apart(1.0, 1.0) == ["1.00", "1.00"]
+    assert told_apart(1.0, 1.0, digits=4) == ["1.000", "1.000"]
+    assert told_apart(194.58, 194.5800000001) == ["194.58", "194.5800000001"]

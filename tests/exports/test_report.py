@@ -52,11 +52,6 @@ def test_a_page_too_big_for_a_browser_is_refused_in_words(
     assert list(tmp_path.iterdir()) == []
 
 
-def test_numbers_that_differ_look_different() -> None:
-    assert report._told_apart([194.584, 194.580, 3.0]) == ["194.584", "194.580", "3.00000"]
-    assert report._told_apart([1.0, 1.0]) == ["1.000", "1.000"]
-
-
 def test_a_page_has_the_same_bytes_every_time(cartpole: SavedAgent, write: Export) -> None:
     first = write(cartpole, "html").read_bytes()
     assert write(cartpole, "html", overwrite=True).read_bytes() == first

@@ -88,6 +88,15 @@ def test_an_option_that_tried_nothing_prefers_nothing():
     assert "tried nothing" in html.related(3, small_view(), cartpole())
 
 
+def test_weights_that_differ_look_different():
+    view = small_view()
+    weights = view.weights.copy()
+    weights[4] = 194.584, 194.580
+    page = html.option(4, replace(view, weights=weights), cartpole(), None)
+    assert "194.584" in page
+    assert "194.580" in page
+
+
 def picture_of(spec, view, **look):
     return draw(view, lay_out(view), spec, Look(**look))
 
