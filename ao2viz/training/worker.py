@@ -4,17 +4,15 @@ No threads, no sleeping, no queues: a runner calls `handle`, `advance` and `upda
 """
 
 import time
-from collections import deque
 from collections.abc import Callable, Iterator
 
 import numpy as np
 
 from ao2viz.agent import AO2
-from ao2viz.envs.task import make_env
-from ao2viz.store.files import read
 from ao2viz.store.saved import Learned
 from ao2viz.training.frames import draw
 from ao2viz.training.loop import Stepper
+from ao2viz.training.making import in_words, make_agent
 from ao2viz.training.states import (
     TRANSITIONS,
     Pause,
@@ -30,13 +28,9 @@ from ao2viz.training.states import (
     Stop,
 )
 from ao2viz.training.stopwatch import Stopwatch
+from ao2viz.training.throttle import Throttle
 from ao2viz.training.updates import RunUpdate
 from ao2viz.training.warmup import warm_up
-
-# A throttled run sleeps at least this long at a time, then catches up.
-_SHORTEST_WAIT_S = 0.002
-# Steps a second are counted over about this long.
-_SPEED_WINDOW_S = 2.0
 
 _WORDS: dict[type[RunCommand], str] = {
     Start: "start a run",
@@ -77,9 +71,7 @@ class Worker:
         self._pauses_at_end = False  # Holds when the episode ends.
         self._first_step = 0
         self._watch = Stopwatch()
-        self._speed: float | None = None
-        self._throttle = (0.0, 0)  # When and at which step throttling began.
-        self._pace: deque[tuple[float, int]] = deque()  # (time, step) while running.
+        self._throttle = Throttle(clock)
         self._frame: bytes | None = None
         self._framed_at = -1
         self._draws = True
@@ -197,7 +189,7 @@ class Worker:
     def _prepare(self, start: Start) -> Iterator[None]:
         """Yields wherever a command may be handled and the status be shown."""
         yield
-        agent = _make_agent(start)
+        agent = make_agent(start)
         self._tell("Compiling; the first time on a machine, this takes up to a minute.")
         yield
         warm_up(agent.config, agent.spec.n_features, agent.spec.n_actions)
@@ -224,7 +216,7 @@ class Worker:
         except Exception as error:
             # Nothing has changed yet: whatever was there before still is.
             self._preparing = None
-            self._tell(_in_words(error), is_error=True)
+            self._tell(in_words(error), is_error=True)
             self._go(self._status_before)
 
     # Training.
@@ -239,7 +231,7 @@ class Worker:
             now = self._clock()
             if now >= deadline:
                 return 0.0
-            if (wait_s := self._wait_s(now)) > 0:
+            if (wait_s := self._throttle.wait_s(now, self._n_steps)) > 0:
                 return wait_s
             if self._take_step() and self._pauses_at_end:
                 self._pauses_at_end = False
@@ -289,7 +281,7 @@ class Worker:
         agent = self._require_agent()
         self._single_steps = 0
         self._tell(
-            f"{agent.spec.env_id} failed after {agent.num_timesteps:,} steps: {_in_words(error)} "
+            f"{agent.spec.env_id} failed after {agent.num_timesteps:,} steps: {in_words(error)} "
             f"What was learned is kept: save it, or resume with a fresh episode.",
             is_error=True,
         )
@@ -299,7 +291,7 @@ class Worker:
         try:
             self._require_agent().save(command.path)
         except (OSError, ValueError) as error:
-            self._tell(f"Could not save to {command.path}: {_in_words(error)}", is_error=True)
+            self._tell(f"Could not save to {command.path}: {in_words(error)}", is_error=True)
         else:
             self._tell(f"Saved to {command.path}.")
 
@@ -311,31 +303,14 @@ class Worker:
                 f"Expected more than 0 steps a second, but got {steps_per_s}.", is_error=True
             )
             return
-        self._speed = steps_per_s
-        self._restart_clocks()
-
-    def _restart_clocks(self) -> None:
-        n_steps = 0 if self._agent is None else self._agent.num_timesteps
-        self._throttle = (self._clock(), n_steps)
-        self._pace.clear()
-
-    def _wait_s(self, now: float) -> float:
-        """How long a throttled run must wait before its next step."""
-        if self._speed is None:
-            return 0.0
-        began, first = self._throttle
-        due = began + (self._require_agent().num_timesteps - first) / self._speed
-        return max(due - now, _SHORTEST_WAIT_S) if due > now else 0.0
+        self._throttle.limit(steps_per_s, self._n_steps)
 
     def _measure_speed(self) -> float:
-        if self._status is not RunStatus.RUNNING:
-            return 0.0
-        now, n_steps = self._clock(), self._require_agent().num_timesteps
-        self._pace.append((now, n_steps))
-        while len(self._pace) > 2 and now - self._pace[1][0] > _SPEED_WINDOW_S:
-            self._pace.popleft()
-        began, first = self._pace[0]
-        return (n_steps - first) / (now - began) if now > began else 0.0
+        return self._throttle.measure(self._n_steps) if self._status is RunStatus.RUNNING else 0.0
+
+    @property
+    def _n_steps(self) -> int:
+        return 0 if self._agent is None else self._agent.num_timesteps
 
     # Small things.
 
@@ -350,7 +325,7 @@ class Worker:
                 self._frame = draw(agent.env)
             except Exception as error:  # A picture is not worth a run.
                 self._draws, self._frame = False, None
-                self._tell(f"{agent.spec.env_id} could not be drawn: {_in_words(error)}", True)
+                self._tell(f"{agent.spec.env_id} could not be drawn: {in_words(error)}", True)
         return self._frame
 
     def _require_agent(self) -> AO2:
@@ -361,7 +336,7 @@ class Worker:
         self.changes += 1
         if status is not self._status:
             self._status = status
-            self._restart_clocks()
+            self._throttle.restart(self._n_steps)
 
     def _tell(self, message: str, is_error: bool = False) -> None:
         self._message, self._is_error = message, is_error
@@ -371,29 +346,7 @@ class Worker:
         try:
             agent.env.close()
         except Exception as error:  # It is of no use any more, whatever it says.
-            self._tell(f"{agent.spec.env_id} could not be closed: {_in_words(error)}", True)
+            self._tell(f"{agent.spec.env_id} could not be closed: {in_words(error)}", True)
 
 
 _SETTLING = "All steps taken; letting what was learned settle."
-
-
-def _make_agent(start: Start) -> AO2:
-    if start.total_steps < 1:
-        raise ValueError(f"Expected at least one step to take, but got {start.total_steps}.")
-    if start.resume_from is None:
-        env = make_env(start.env_id, render=True)
-        return AO2(env, start.preset, start.seed, **start.overrides)
-    saved = read(start.resume_from)
-    # "module:EnvId" of the command also tells where the environment of the file comes from.
-    known = saved.spec.env_id
-    env_id = start.env_id if start.env_id.rpartition(":")[2] == known else known
-    return AO2.from_saved(saved, make_env(env_id, render=True))
-
-
-def _in_words(error: Exception) -> str:
-    text = " ".join(str(error).split())
-    if isinstance(error, OSError) and error.strerror:
-        text = error.strerror
-    elif not isinstance(error, ValueError) or not text:
-        text = f"{type(error).__name__}: {text}" if text else type(error).__name__
-    return text if text.endswith((".", "!", "?")) else f"{text}."
