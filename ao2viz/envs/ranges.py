@@ -7,6 +7,8 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
+from ao2viz.envs.task import make_env
+
 # Some spaces name the largest number there is where they mean "unbounded".
 _UNBOUNDED = 1e30
 
@@ -34,6 +36,19 @@ def ranges_of(env: gym.Env) -> Ranges:
     return Ranges(
         np.where(low < -_UNBOUNDED, -np.inf, low), np.where(high > _UNBOUNDED, np.inf, high)
     )
+
+
+def ranges_by_id(env_id: str, n_features: int) -> Ranges:
+    """The ranges of an environment of this name; all, where it cannot be made here."""
+    try:
+        env = make_env(env_id)
+    except ValueError:
+        return unlimited(n_features)
+    try:
+        found = ranges_of(env)
+    finally:
+        env.close()
+    return found if len(found.low) == n_features else unlimited(n_features)
 
 
 def unlimited(n_features: int) -> Ranges:

@@ -19,11 +19,12 @@ from ao2viz.training.runner import ProcessRunner, Runner
 from ao2viz.training.states import RunStatus, Start
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.browser import Browser
-from ao2viz.ui.commands import Connect, Disconnect, Select
+from ao2viz.ui.commands import CallOff, Connect, Disconnect, Select
 from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.frames import FrameStore
 from ao2viz.ui.gallery import Gallery
 from ao2viz.ui.inbox import Inbox
+from ao2viz.ui.jobs import Begin
 from ao2viz.ui.library import Library
 from ao2viz.ui.reduce import Effect, PickOption, advance, follow, reduce
 from ao2viz.ui.security import make_server, make_token
@@ -133,6 +134,8 @@ class Dashboard:
         self._frames.close()
         self._gallery.close()
         self._thinker.close()
+        for browser in list(self._browsers.values()):
+            browser.jobs.close()
         self._library.close()
         if self._server is not None:
             with contextlib.redirect_stdout(None):
@@ -156,7 +159,9 @@ class Dashboard:
             if isinstance(command, Connect):
                 self._connect(client_id)
             elif isinstance(command, Disconnect):
-                self._browsers.pop(client_id, None)
+                gone = self._browsers.pop(client_id, None)
+                if gone is not None:
+                    gone.jobs.close()
                 self._sessions.pop(client_id, None)
             elif client_id in self._sessions:
                 session, effects = reduce(self._sessions[client_id], command, self._world)
@@ -240,6 +245,10 @@ class Dashboard:
                 option = self._browsers[client_id].pick(pick.origin, pick.direction)
                 if option != NO_OPTION:
                     self._inbox.put(client_id, Select(option))
+            case Begin():
+                self._browsers[client_id].jobs.begin(effect)
+            case CallOff(task):
+                self._browsers[client_id].jobs.call_off(task)
             case _:
                 if self._runner is None:  # Made when first needed: a page opens sooner without.
                     self._runner = self._make_runner()

@@ -9,6 +9,7 @@ from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.frames import FrameStore, refit
 from ao2viz.ui.gallery import Gallery, PictureKey
 from ao2viz.ui.inbox import Inbox, on_canvas_click
+from ao2viz.ui.jobs import Jobs
 from ao2viz.ui.look import Requests
 from ao2viz.ui.overlay import Moment, Overlay, overlay
 from ao2viz.ui.panels.charts import ChartsPanel
@@ -17,9 +18,11 @@ from ao2viz.ui.panels.forest import ForestPanel
 from ao2viz.ui.panels.inspect import InspectPanel
 from ao2viz.ui.panels.legend import LegendPanel
 from ao2viz.ui.panels.watch import WatchPanel
+from ao2viz.ui.panels.what_if import WhatIfPanel
 from ao2viz.ui.picture import Picture
 from ao2viz.ui.scene import Canvas
 from ao2viz.ui.stage import Stage
+from ao2viz.ui.supposing import Answer, Supposing
 from ao2viz.ui.thinker import Thinker
 from ao2viz.ui.view import View
 
@@ -44,7 +47,11 @@ class Browser:
                 self._forest = ForestPanel(gui, me, inbox)
             with stage.charts:
                 self._charts = ChartsPanel(gui, me, inbox)
+            with stage.what_if:
+                self._what_if = WhatIfPanel(gui, me, inbox)
             self._legend = LegendPanel(gui, me, inbox)
+        self._supposing = Supposing()
+        self.jobs = Jobs()
         self._canvas = Canvas(client)
         self._eye = Eye(client.camera)
         on_canvas_click(client.scene, me, inbox)
@@ -54,6 +61,8 @@ class Browser:
         frame, problem = self._frame(view, frames)
         ahead = _ahead_of(view, thinker)
         self._watch.sync(view, frame, problem, ahead)
+        answer = self._supposing.ask(view, thinker)
+        self._what_if.sync(view, answer, self.jobs)
         self._control.sync(view)
         self._inspect.sync(view, thinker)
         self._forest.sync(view)
@@ -64,7 +73,7 @@ class Browser:
             self._picture = gallery.get(view.forest_key, view.forest, view.spec, view.look)
         lens = self._eye.look()
         self._legend.sync(view, self._picture)
-        self._canvas.sync(self._picture, self._overlay_of(view, ahead), lens)
+        self._canvas.sync(self._picture, self._overlay_of(view, ahead, answer), lens)
         requests = Requests(view.fits, view.focuses, view.selection_focuses)
         self._canvas.aim(requests, self._legend.size, lens)
         self._charts.sync(view)
@@ -97,8 +106,20 @@ class Browser:
             return None, ""
         return frames.get(view.episode, view.spec, view.transport.position)
 
-    def _overlay_of(self, view: View, ahead: Ahead | None) -> Overlay | None:
-        inputs = (self._picture, view.decision, view.selected, view.transport.position, ahead)
+    def _overlay_of(self, view: View, ahead: Ahead | None, answer: Answer | None) -> Overlay | None:
+        moment = Moment(view.decision, view.selected, view.seen, ahead)
+        if answer is not None and answer.is_supposed:
+            way = answer.ahead if isinstance(answer.ahead, Ahead) else None
+            seen = answer.state[None]
+            moment = Moment(answer.decision, view.selected, seen, way, is_supposed=True)
+        inputs = (
+            self._picture,
+            moment.decision,
+            view.selected,
+            view.transport.position,
+            moment.ahead,
+            answer.state if moment.is_supposed and answer is not None else None,
+        )
         if len(self._overlay[0]) == len(inputs) and all(
             a is b or (isinstance(a, int) and a == b)
             for a, b in zip(inputs, self._overlay[0], strict=True)
@@ -106,7 +127,6 @@ class Browser:
             return self._overlay[1]
         drawn = None
         if self._picture is not None and view.spec is not None and view.forest is not None:
-            moment = Moment(view.decision, view.selected, view.seen, ahead)
             drawn = overlay(moment, self._picture, view.forest, view.spec)
         self._overlay = (inputs, drawn)
         return drawn

@@ -39,6 +39,12 @@ class Table(Enum):
     OPTION = "weights of the selected option"
 
 
+class Task(Enum):
+    """What may take long; of each kind a browser has one at a time."""
+
+    NEAREST = "search for the nearest flip"
+
+
 class Way(Enum):
     """From an option to one of those around it."""
 
@@ -158,6 +164,38 @@ class FindState:
     """Selects the option nearest to a typed state: a number for each feature, as people read it."""
 
     text: str
+
+
+@dataclass(frozen=True)
+class Suppose:
+    """Supposes another value of one feature, in the environment's units."""
+
+    feature: int
+    value: float
+
+
+@dataclass(frozen=True)
+class SupposeState:
+    """Supposes another state: a value for each feature, in the environment's units."""
+
+    state: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class StopSupposing:
+    """Returns to what is seen at the moment that is watched."""
+
+
+@dataclass(frozen=True)
+class FindNearest:
+    """Searches for the least change of all features together that changes the action."""
+
+
+@dataclass(frozen=True)
+class CallOff:
+    """Ends long work; what it has come to stays."""
+
+    task: Task
 
 
 @dataclass(frozen=True)
@@ -304,6 +342,11 @@ Command = (
     | ShowMoment
     | ShowAhead
     | FindState
+    | Suppose
+    | SupposeState
+    | StopSupposing
+    | FindNearest
+    | CallOff
     | Fit
     | FocusPath
     | FocusSelection

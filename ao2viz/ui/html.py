@@ -21,9 +21,9 @@ def esc(text: object) -> str:
     return _html.escape(str(text), quote=True)
 
 
-def row(n: int) -> str:
+def row(n: int, kind: str = "") -> str:
     """Puts the next n controls beside one another; see static/dashboard.css."""
-    return f'<span class="ao-row ao-row-{n}"></span>'
+    return f'<span class="ao-row ao-row-{n} {kind}"></span>'
 
 
 def no_tab() -> str:
@@ -35,6 +35,14 @@ def notice(text: str, *, is_error: bool = False) -> str:
     """A paragraph in place of content."""
     kind = "ao-error" if is_error else "ao-dim"
     return f'<div class="ao ao-decision"><p class="{kind}">{esc(text)}</p></div>'
+
+
+def supposing() -> str:
+    """Stands over what was recorded while the forest shows something else."""
+    return (
+        '<div class="ao"><p class="ao-supposed">The forest shows a what-if, not this moment; '
+        "Reset under What if ends it.</p></div>"
+    )
 
 
 def decision(shown: Decision, spec: TaskSpec, view: ForestView | None) -> str:

@@ -44,6 +44,25 @@ def on_click(handle: viser.GuiButtonHandle, command: Command, client_id: int, in
         inbox.put(client_id, command)
 
 
+def on_press(
+    handle: viser.GuiButtonHandle | viser.CommandHandle,
+    get_command: Callable[[], Command | None],
+    client_id: int,
+    inbox: Inbox,
+) -> None:
+    """Sends what a button or a key stands for at the moment it is pressed; None sends nothing."""
+
+    async def press(_: object) -> None:
+        command = get_command()
+        if command is not None:
+            inbox.put(client_id, command)
+
+    if isinstance(handle, viser.CommandHandle):
+        handle.on_trigger(press)
+    else:
+        handle.on_click(press)
+
+
 def on_change(
     handle: Any, to_command: Callable[[Any], Command | None], client_id: int, inbox: Inbox
 ) -> None:

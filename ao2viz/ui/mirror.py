@@ -21,6 +21,16 @@ class Mirror:
             self._shown = value
             self.handle.value = value
 
+    def settle(self, value: Any) -> None:
+        """Shows a value unless a person is moving the control; to be called with every tick.
+
+        While it moves, what is to be shown lags behind: to assign it would pull the control back.
+        """
+        held = self.handle.value
+        if held == self._shown and held != value:
+            self.handle.value = held = value
+        self._shown = held
+
     def insist(self) -> None:
         """Sends once more what is shown, for a browser that may show something else.
 

@@ -41,6 +41,7 @@ class Moment:
     selected: int = NO_OPTION
     seen: NDArray[np.float64] | None = None  # [T, D] the states up to now, the latest last.
     ahead: Ahead | None = None  # Where the agent expects to go from here.
+    is_supposed: bool = False  # A what-if, not what happened.
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,7 +70,7 @@ def overlay(moment: Moment, picture: Picture, view: ForestView, spec: TaskSpec) 
     path = _standing(decision.path if decision is not None else np.empty(0, np.int64), picture)
     votes, voters, sizes = _votes(decision, picture)
     labels = [
-        *_path_labels(decision, path, picture, spec),
+        *_path_labels(moment, path, picture, spec),
         *_selected_label(moment, path, picture),
         *_folded_labels(picture, view),
     ]
@@ -83,9 +84,10 @@ def overlay(moment: Moment, picture: Picture, view: ForestView, spec: TaskSpec) 
         schema = _active_schema(moment, path, picture, view)
         axes = _axis_lines(picture.axes, spec)
         if moment.seen is not None and len(moment.seen):
-            way = picture.axes.place(moment.seen[-_TRAIL:]).astype(np.float32)
-            now, trail = way[-1], np.stack([way[:-1], way[1:]], axis=1)
-            labels.insert(1, _label("now", way[-1], _AWAY[True, True]))
+            came = picture.axes.place(moment.seen[-_TRAIL:]).astype(np.float32)
+            now, trail = came[-1], np.stack([came[:-1], came[1:]], axis=1)
+            here = "what if" if moment.is_supposed else "now"
+            labels.insert(1, _label(here, came[-1], _AWAY[True, True]))
         labels += _axis_labels(picture.axes, spec)
     return Overlay(
         path=picture.positions[path],
@@ -199,14 +201,17 @@ _SIDES = _AWAY[False, False]
 
 
 def _path_labels(
-    decision: Decision | None, path: NDArray[np.int64], picture: Picture, spec: TaskSpec
+    moment: Moment, path: NDArray[np.int64], picture: Picture, spec: TaskSpec
 ) -> list[Label]:
+    decision = moment.decision
     if decision is None or len(path) == 0:
         return []
     root, chosen = picture.positions[path[0]], picture.positions[path[-1]]
     middle = float(picture.outline[:, 0].mean())
     is_root_above = bool(root[1] > chosen[1])
     name = f"option {path[-1]} → {spec.action_names[decision.action]}"
+    if moment.is_supposed:
+        name = f"what if: {name}"
     labels = [_label(name, chosen, _AWAY[bool(chosen[0] > middle), not is_root_above])]
     if len(path) > 1:
         sides = _AWAY[bool(root[0] > middle), is_root_above]

@@ -25,6 +25,7 @@ from ao2viz.training.states import (
 )
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.commands import (
+    CallOff,
     ChooseDecideBy,
     ChooseEpisode,
     ChooseOver,
@@ -35,6 +36,7 @@ from ao2viz.ui.commands import (
     Download,
     Edit,
     Field,
+    FindNearest,
     Move,
     Pick,
     Press,
@@ -44,12 +46,17 @@ from ao2viz.ui.commands import (
     SetTrainingSpeed,
     ShowAhead,
     ShowMoment,
+    StopSupposing,
+    Suppose,
+    SupposeState,
     Transport,
 )
 from ao2viz.ui.downloads import Notify, SaveFile, make_table
 from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
+from ao2viz.ui.jobs import Begin
 from ao2viz.ui.session import OTHER_ENV, Form, Session
 from ao2viz.ui.watched import agent_of, decision_of, episode_of, forest_of, spec_of
+from ao2viz.ui.what_if import suppose
 from ao2viz.ui.world import World
 
 STEPS_PER_S = 10.0
@@ -65,7 +72,7 @@ class PickOption:
     pick: Pick
 
 
-Effect = RunCommand | Notify | PickOption | SaveFile
+Effect = RunCommand | Notify | PickOption | SaveFile | Begin | CallOff
 Result = tuple[Session, tuple[Effect, ...]]
 
 
@@ -107,6 +114,10 @@ def reduce(session: Session, command: Command, world: World) -> Result:
         case ShowAhead(is_shown):
             wanted = not session.shows_ahead if is_shown is None else is_shown
             return replace(session, shows_ahead=wanted), ()
+        case Suppose() | SupposeState() | StopSupposing() | FindNearest():
+            return suppose(session, command, world)
+        case CallOff():
+            return session, (command,)
         case Download(table):
             return session, (make_table(table, session, world),)
         case _:
@@ -187,7 +198,7 @@ def _watch(session: Session, path: Path | None, world: World) -> Session:
         is_playing=path is not None,
         fits=session.fits + 1,
     )
-    session = _forget_options(session)
+    session = replace(_forget_options(session), supposition=None)
     if path is None and world.update.episode is not None:
         return replace(session, position=float(max(0, len(world.update.episode) - 1)))
     return session

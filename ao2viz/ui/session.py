@@ -37,6 +37,14 @@ class Place:
 
 
 @dataclass(frozen=True)
+class Supposition:
+    """A state that a person supposes instead of the one that was seen."""
+
+    seen: tuple[float, ...]  # At the moment that it began from; at any other it means nothing.
+    state: tuple[float, ...]  # Environment units.
+
+
+@dataclass(frozen=True)
 class Session:
     """Everything one browser chose; the run itself belongs to all."""
 
@@ -49,6 +57,7 @@ class Session:
     opened: int | None = None  # The action whose weight is opened to its reasons.
     trail: tuple[Place, ...] = ()  # What was inspected, as a browser's history.
     trail_at: int = -1  # Where in it we are.
+    supposition: Supposition | None = None
     shows_ahead: bool = True  # Where the agent expects to go is drawn.
     look: Look = field(default_factory=Look)
     charts: ChartLook = field(default_factory=ChartLook)

@@ -28,6 +28,7 @@ class Stage:
         self.inspect = below.add_tab("Inspect", viser.Icon.BINARY_TREE)
         self.forest = below.add_tab("Forest", viser.Icon.TREES)
         self.charts = below.add_tab("Charts", viser.Icon.CHART_LINE)
+        self.what_if = below.add_tab("What if", viser.Icon.ADJUSTMENTS_HORIZONTAL)
         below.dock_below(gui.main_panel)
         below.set_width(_RIGHT_PX)
         prepare(server.scene)

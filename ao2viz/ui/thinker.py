@@ -8,9 +8,15 @@ from typing import TypeVar
 
 from numpy.typing import NDArray
 
+from ao2viz.core.decision import Decision
 from ao2viz.core.mind import Mind
+from ao2viz.envs.ranges import Ranges, ranges_by_id
+from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.ahead import Ahead, look_ahead
+from ao2viz.explain.faithful import Faithfulness
+from ao2viz.explain.flips import Flips
 from ao2viz.explain.origin import Origin, explain_weight
+from ao2viz.explain.what_if import find_flips_at, try_explanations
 from ao2viz.store.saved import Learned
 
 STEPS_AHEAD = 60
@@ -56,6 +62,34 @@ class Thinker:
             learned,
             lambda mind: explain_weight(mind, option, action),
         )
+
+    def decision(self, learned: Learned, state: NDArray) -> Decision | NoAnswer | None:
+        """What it would decide, seeing a state [D]."""
+        key = (id(learned), "decision", state.tobytes())
+        return self._ask(key, learned, lambda mind: mind.decide(state))
+
+    def ranges(self, learned: Learned, spec: TaskSpec) -> Ranges | NoAnswer | None:
+        """What its environment allows to be seen."""
+        key = (id(learned), "ranges")
+        return self._ask(key, learned, lambda _: ranges_by_id(spec.env_id, spec.n_features))
+
+    def flips(self, learned: Learned, spec: TaskSpec, state: NDArray) -> Flips | NoAnswer | None:
+        """What would change its decision at a state [D]."""
+        ranges = self.ranges(learned, spec)
+        if ranges is None or isinstance(ranges, NoAnswer):
+            return ranges
+        key = (id(learned), "flips", state.tobytes())
+        return self._ask(key, learned, lambda mind: find_flips_at(mind, state, ranges))
+
+    def faithfulness(
+        self, learned: Learned, spec: TaskSpec, decisions: list[Decision]
+    ) -> Faithfulness | NoAnswer | None:
+        """How often explanations agree with it, on some of these recorded decisions."""
+        ranges = self.ranges(learned, spec)
+        if ranges is None or isinstance(ranges, NoAnswer):
+            return ranges
+        key = (id(learned), "faithful", len(decisions))
+        return self._ask(key, learned, lambda mind: try_explanations(mind, spec, decisions, ranges))
 
     def close(self) -> None:
         """Waits for what is under way, and forgets the rest."""

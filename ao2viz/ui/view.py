@@ -26,9 +26,11 @@ from ao2viz.ui.watched import (
     forest_of,
     history_of,
     learned_of,
+    observation_of,
     recorded_in,
     spec_of,
 )
+from ao2viz.ui.what_if import state_of
 from ao2viz.ui.world import LoadFailure, ShelfItem, World
 
 ForestKey = tuple[str, str, int]
@@ -63,6 +65,7 @@ class View:
     forest_key: ForestKey
     decision: Decision | None
     observation: NDArray[np.float64] | None  # What is seen at this moment.
+    supposed: NDArray[np.float64] | None  # [D] what a person supposes instead; None: nothing.
     seen: NDArray[np.float64] | None  # [T, D] the last few states, this moment's at the end.
     episode: Episode | None
     frame: bytes | None  # The run's own picture; None: take the episode's.
@@ -109,6 +112,7 @@ def project(session: Session, world: World) -> View:
         seen = decision.observation[None] if decision is not None else None
     else:
         seen = episode.observations[max(0, position - _SEEN) : position + 1]
+    observation = observation_of(session, world)
     look = session.look
     look = replace(look, axes=look.axes_for(spec.n_features if spec is not None else 0))
     kind, name = ("run", str(update.run_id)) if is_run else ("file", str(session.source))
@@ -122,7 +126,8 @@ def project(session: Session, world: World) -> View:
         forest=forest_of(session, world),
         forest_key=(kind, name, session.tidies),
         decision=decision,
-        observation=seen[-1] if seen is not None else None,
+        observation=observation,
+        supposed=state_of(session.supposition, observation),
         seen=seen,
         episode=episode,
         frame=update.frame if is_run and episode is None else None,

@@ -57,6 +57,17 @@ def decision_of(session: Session, world: World) -> Decision | None:
     return episode.decisions[position] if position < len(episode) else None
 
 
+def observation_of(session: Session, world: World) -> NDArray[np.float64] | None:
+    """What is seen [D] at the place of the session, past the last step as well."""
+    decision, episode = decision_of(session, world), episode_of(session, world)
+    if decision is not None:
+        return decision.observation
+    is_moving = world.update.status in (RunStatus.RUNNING, RunStatus.PREPARING)
+    if episode is None or (session.source is None and is_moving):
+        return None
+    return episode.observations[min(int(session.position), len(episode))]
+
+
 def recorded_in(session: Session, world: World) -> tuple[Episode, ...]:
     """The episodes that can be gone to."""
     agent = agent_of(session, world)

@@ -1,11 +1,12 @@
 """A few buttons, and a list for what they have no room for, that lead somewhere."""
 
 from collections.abc import Sequence
+from functools import partial
 
 import viser
 
 from ao2viz.ui.commands import Command
-from ao2viz.ui.inbox import Inbox, on_change
+from ao2viz.ui.inbox import Inbox, on_change, on_press
 
 _SHOWN = 6
 _CHOOSE: str = "choose one …"
@@ -23,7 +24,7 @@ class Links:
         self._buttons = []
         for place in range(shown):
             button = gui.add_button("–", color="gray", visible=False)
-            _on_click_nth(button, self, place, client_id, inbox)
+            on_press(button, partial(self.nth, place), client_id, inbox)
             self._buttons.append(button)
         self._rest = gui.add_dropdown("More", [_CHOOSE], visible=False)
         on_change(self._rest, self._links_get, client_id, inbox)
@@ -57,15 +58,3 @@ class Links:
 
     def _links_get(self, words: str) -> Command | None:
         return self._links.get(words)
-
-
-def _on_click_nth(
-    button: viser.GuiButtonHandle, links: Links, place: int, client_id: int, inbox: Inbox
-) -> None:
-    """Sends what stands behind a button at the moment it is pressed."""
-
-    @button.on_click
-    async def _(_: viser.GuiEvent) -> None:
-        command = links.nth(place)
-        if command is not None:
-            inbox.put(client_id, command)

@@ -140,7 +140,8 @@ class WatchPanel:
         self._episode.disabled = not view.episodes
 
     def _sync_words(self, view: View, problem: str) -> None:
-        said = (view.decision, view.notice, problem, view.forest_key, view.run.status)
+        supposes = view.supposed is not None
+        said = (view.decision, supposes, view.notice, problem, view.forest_key, view.run.status)
         if all(a is b or a == b for a, b in zip(said, self._said, strict=False)) and self._said:
             return
         self._said = said
@@ -150,6 +151,8 @@ class WatchPanel:
         else:
             self._decision.content = html.notice(view.notice)
             self._path.content = ""
+        if supposes:
+            self._decision.content = html.supposing() + self._decision.content
         if problem:
             self._decision.content += html.notice(problem, is_error=True)
 

@@ -1,0 +1,68 @@
+"""What if: certain distances told in units are kept, and what cannot be asked is told."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from ao2viz.core.config import AnticipatingConfig
+from ao2viz.core.decision import DecideBy
+from ao2viz.core.mind import Mind
+from ao2viz.envs.ranges import ranges_by_id
+from ao2viz.explain.what_if import find_flips_at, tell_certificate, try_explanations
+from ao2viz.explain.words import amount
+from tests.explain.agents import bundled, some_states
+
+
+@pytest.mark.parametrize("env_id", ["CartPole-v1", "Pendulum-v1"])
+def test_the_amounts_that_are_called_certain_change_nothing(env_id):
+    agent = bundled(env_id)
+    mind, spec = agent.explain.mind, agent.spec
+    ranges = ranges_by_id(env_id, spec.n_features)
+    told = 0
+    for state in some_states(agent, 60):
+        flips = find_flips_at(mind, state, ranges)
+        text = tell_certificate(flips.certificate, mind.view.attention, spec)
+        radius = flips.certificate.radius
+        if radius == 0:
+            assert text.startswith("Nothing is certain")
+            continue
+        told += 1
+        for d, feature in enumerate(spec.features):
+            alone = radius / mind.view.attention[d]
+            assert f"{amount(alone, feature)} of {feature.name}" in text
+            for way in (-1, 1):
+                there = state.copy()
+                there[d] += way * alone * 0.999
+                assert mind.act(there) == flips.decision.action
+    assert told > 2
+
+
+def test_where_options_vote_nothing_is_called_certain():
+    agent = bundled("CartPole-v1")
+    mind = agent.explain.mind
+    voting = Mind(replace(mind.config, decide_by=DecideBy.VOTE), mind._state)
+    flips = find_flips_at(voting, some_states(agent)[3], ranges_by_id("CartPole-v1", 4))
+    text = tell_certificate(flips.certificate, mind.view.attention, agent.spec)
+    assert text.startswith("Nothing is certain at a distance")
+
+
+def test_an_agent_that_thinks_ahead_is_not_asked_for_flips():
+    agent = bundled("CartPole-v1")
+    mind = agent.explain.mind
+    assert isinstance(mind.config, AnticipatingConfig)
+    thinking = Mind(replace(mind.config, think_ahead=5), mind._state)
+    with pytest.raises(ValueError, match="thinks ahead"):
+        find_flips_at(thinking, np.zeros(4), ranges_by_id("CartPole-v1", 4))
+
+
+def test_explanations_are_tried_on_decisions_of_the_whole_recording():
+    agent = bundled("CartPole-v1")
+    decisions = [decision for episode in agent.episodes for decision in episode.decisions]
+    found = try_explanations(
+        agent.explain.mind, agent.spec, decisions, ranges_by_id("CartPole-v1", 4)
+    )
+    assert found.parts.tried == 24
+    assert found.parts.share == found.lines.share == found.flips.share == 1
+    with pytest.raises(ValueError, match="Nothing is recorded"):
+        try_explanations(agent.explain.mind, agent.spec, [], ranges_by_id("CartPole-v1", 4))
