@@ -29,7 +29,7 @@ lint: $(VENV)/.dev ## Check format and lint.
 	@$(BIN)/ruff format --check .
 	@$(BIN)/ruff check .
 
-types: $(VENV)/.dev ## Check types.
+types: $(VENV)/.test ## Check types.
 	@$(BIN)/pyright
 
 format: $(VENV)/.dev ## Format the code and mend what the linter can.
@@ -72,7 +72,7 @@ $(VENV)/.dev: pyproject.toml $(VENV)/.app
 	@touch $@
 
 $(VENV)/.test: pyproject.toml tests/constraints.txt $(VENV)/.dev
-	@echo "Installing what only the tests need (stable-baselines3 brings PyTorch: a large download) …"
+	@echo "Installing what only the tests need (PyTorch is a large download) …"
 	@$(PIP) --editable '.[test]' --constraint tests/constraints.txt
 	@touch $@
 

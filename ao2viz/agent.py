@@ -1,9 +1,8 @@
 """The agent as a Python programmer meets it: learn, predict, decide, save, load."""
 
-import contextlib
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from typing import Any, Self
 
 import gymnasium as gym
@@ -36,7 +35,15 @@ from ao2viz.recording.history import History
 from ao2viz.store.errors import AgentFileError
 from ao2viz.store.files import read, write
 from ao2viz.store.saved import SavedAgent, get_generator, set_generator
-from ao2viz.training.loop import Stepper, StepResult, evaluation_seed, play, training_seed
+from ao2viz.training.loop import (
+    Stepper,
+    StepResult,
+    evaluation_seed,
+    play,
+    to_seed,
+    training_seed,
+)
+from ao2viz.training.progress import advancing
 
 Callback = Callable[[StepResult], bool | None]
 
@@ -80,7 +87,7 @@ class AO2:
         self.spec: TaskSpec = describe(self._env, overrides.pop("action_bins", None))
         config = change_config(make_config(kind, settings_for(self.spec, kind)), overrides)
         check_smoothing(self.spec, config.action_smoothing)
-        self._setup(config, _to_seed(seed))
+        self._setup(config, to_seed(seed))
 
     def _setup(self, config: Config, seed: int) -> None:
         self.seed = seed
@@ -146,10 +153,10 @@ class AO2:
                 itself passes through too; what was learned until then is kept.
         """
         stepper = self.stepper()
-        with _progress(total_timesteps) if progress_bar else _silence() as advance:
+        with advancing(total_timesteps, is_shown=progress_bar) as advance:
             for _ in range(total_timesteps):
                 result = stepper.step()
-                advance()
+                advance(1)
                 if callback is not None and callback(result) is False:
                     break
         self.settle()
@@ -376,23 +383,3 @@ class AO2:
             history[:, 1].tolist(),
             "return of each training episode",
         )
-
-
-def _to_seed(seed: int) -> int:
-    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:
-        raise ValueError(f"Expected seed to be a whole number from 0 on, but got {seed!r}.")
-    return int(seed)
-
-
-@contextlib.contextmanager
-def _silence() -> Iterator[Callable[[], None]]:
-    yield lambda: None
-
-
-@contextlib.contextmanager
-def _progress(total: int) -> Iterator[Callable[[], None]]:
-    from rich.progress import Progress  # noqa: PLC0415  Slow to import, rarely needed.
-
-    with Progress() as progress:
-        task = progress.add_task("Learning", total=total)
-        yield lambda: progress.advance(task)

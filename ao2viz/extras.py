@@ -10,6 +10,7 @@ _EXTRAS: Mapping[str, tuple[str, ...]] = {
     "ray": ("ray",),
     "exports": ("av", "minari", "pyarrow", "sklearn", "tensorboardX"),
     "explain": ("scipy",),
+    "baselines": ("torch", "safetensors", "stable_baselines3", "sb3_contrib"),
 }
 
 

@@ -1,31 +1,23 @@
 """The manifest of an agent file: what it says, how it is checked, how old ones are upgraded."""
 
 import json
-import math
 import platform
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib import metadata
-from typing import Any, TypeVar
-
-import numpy as np
+from typing import Any
 
 from ao2viz.core.config import Preset, config_to_dict, make_config
-from ao2viz.envs.catalogue import CATALOGUE, Entry, Feature
-from ao2viz.envs.task import MAX_ACTION_BINS, MAX_ACTIONS, TaskSpec
+from ao2viz.envs.task import TaskSpec
 from ao2viz.store.archive import Member
 from ao2viz.store.errors import AgentFileError, quote
+from ao2viz.store.fields import MAX_INT, Fields, Json, parse_object
 from ao2viz.store.saved import Generator, SavedAgent
+from ao2viz.store.task import task_from_json, task_to_json
 
 FORMAT = "ao2viz-agent"
 FORMAT_VERSION = 2
-MAX_TEXT = 200
-MAX_FEATURES = 10_000
 MAX_EPISODES = 1_000
-_MAX_INT = 2**62
-
-Json = dict[str, Any]
-T = TypeVar("T")
 
 # From each older version to the next, on plain data; the reader below knows only the newest.
 
@@ -95,7 +87,7 @@ def to_json(saved: SavedAgent, members: Mapping[str, Member], created_at: str) -
         "format_version": FORMAT_VERSION,
         "created_at": created_at,
         "versions": library_versions(),
-        "task": _task_to_json(saved.spec),
+        "task": task_to_json(saved.spec),
         "preset": saved.preset.value,
         "settings": config_to_dict(saved.config),
         "seed": saved.seed,
@@ -127,10 +119,10 @@ def from_json(content: bytes) -> Manifest:
     Raises:
         AgentFileError: Naming the first field that is not as it should be.
     """
-    top = _Fields(upgrade(_parse(content)), "manifest")
+    top = Fields(upgrade(parse_object(content)), "manifest")
     preset = Preset(top.one_of("preset", [kind.value for kind in Preset]))
     settings = _settings(preset, top.mapping("settings"))
-    spec = _task_from_json(_Fields(top.mapping("task"), "task"))
+    spec = task_from_json(Fields(top.mapping("task"), "task"))
     return Manifest(
         created_at=top.text("created_at"),
         versions={
@@ -143,10 +135,10 @@ def from_json(content: bytes) -> Manifest:
         n_steps=top.whole("n_steps"),
         n_options=top.whole("n_options"),
         mean_return=None if top.raw("mean_return") is None else top.number("mean_return"),
-        generator=_generator(_Fields(top.mapping("generator"), "generator")),
+        generator=_generator(Fields(top.mapping("generator"), "generator")),
         growth_dropped=top.whole("growth_dropped"),
         episodes=tuple(
-            _episode(_Fields(raw, f"episode {i}"))
+            _episode(Fields(raw, f"episode {i}"))
             for i, raw in enumerate(top.items("episodes", MAX_EPISODES))
         ),
         members={name: Member.from_json(name, raw) for name, raw in top.mapping("members").items()},
@@ -164,7 +156,7 @@ def upgrade(manifest: Json) -> Json:
             f"Expected the manifest of an agent ({FORMAT!r}), but its format is "
             f"{quote(manifest.get('format'))}."
         )
-    version = _Fields(manifest, "manifest").whole("format_version")
+    version = Fields(manifest, "manifest").whole("format_version")
     if version > FORMAT_VERSION:
         raise AgentFileError(
             f"This agent needs a newer ao2viz: its format is {version}, and {FORMAT_VERSION} is "
@@ -191,94 +183,15 @@ def _version(name: str) -> str:
         return "unknown"
 
 
-class _Fields:
-    """One JSON object; gives its fields checked."""
-
-    def __init__(self, fields: Any, where: str) -> None:
-        if not isinstance(fields, dict):
-            raise AgentFileError(f"Expected {where} to be an object, but it is {quote(fields)}.")
-        self._fields, self._where = fields, where
-
-    def raw(self, name: str) -> Any:
-        if name not in self._fields:
-            raise AgentFileError(f"Expected {name!r} in the {self._where}, but there is none.")
-        return self._fields[name]
-
-    def _take(self, name: str, expected: str, accept: Callable[[Any], bool]) -> Any:
-        value = self.raw(name)
-        if not accept(value):
-            raise AgentFileError(
-                f"Expected {name!r} in the {self._where} to be {expected}, but it is "
-                f"{quote(value)}."
-            )
-        return value
-
-    def whole(self, name: str, least: int = 0, most: int = _MAX_INT) -> int:
-        return self._take(
-            name,
-            f"a whole number of at least {least}",
-            lambda value: type(value) is int and least <= value <= most,
-        )
-
-    def number(self, name: str) -> float:
-        return float(
-            self._take(
-                name,
-                "a finite number",
-                lambda value: type(value) in (int, float) and abs(value) < 1e300,
-            )
-        )
-
-    def truth(self, name: str) -> bool:
-        return self._take(name, "true or false", lambda value: isinstance(value, bool))
-
-    def text(self, name: str) -> str:
-        return self.check_text(name, self.raw(name))
-
-    def check_text(self, name: str, value: Any) -> str:
-        if not (isinstance(value, str) and len(value) <= MAX_TEXT and value.isprintable()):
-            raise AgentFileError(
-                f"Expected {quote(name)} in the {self._where} to be at most {MAX_TEXT} printable "
-                f"characters, but it is {quote(value)}."
-            )
-        return value
-
-    def one_of(self, name: str, choices: list[str]) -> str:
-        return self._take(name, " or ".join(choices), lambda value: value in choices)
-
-    def mapping(self, name: str) -> Json:
-        return self._take(name, "an object", lambda value: isinstance(value, dict))
-
-    def items(self, name: str, most: int) -> list[Any]:
-        return self._take(
-            name,
-            f"a list of at most {most:,}",
-            lambda value: isinstance(value, list) and len(value) <= most,
-        )
-
-
-def _parse(content: bytes) -> Json:
-    def refuse(constant: str) -> None:
-        raise ValueError(f"{constant} is not JSON")
-
-    try:
-        manifest = json.loads(content.decode(), parse_constant=refuse)
-    except (ValueError, RecursionError) as error:
-        raise AgentFileError(f"Expected a manifest in JSON, but: {quote(error)}.") from error
-    if not isinstance(manifest, dict):
-        raise AgentFileError(f"Expected the manifest to be an object, not {quote(manifest)}.")
-    return manifest
-
-
 def _settings(preset: Preset, settings: Json) -> Json:
     settings = _IF_LACKING[preset] | settings
-    fields = _Fields(settings, "settings")
+    fields = Fields(settings, "settings")
     for name, value in settings.items():
         fields.check_text("the name of a setting", name)
         if isinstance(value, str):
             fields.check_text(name, value)
         elif type(value) is int:
-            fields.whole(name, least=-_MAX_INT)
+            fields.whole(name, least=-MAX_INT)
     known = config_to_dict(make_config(preset, {})).keys()
     if unknown := [name for name in settings if name not in known]:
         raise AgentFileError(
@@ -294,73 +207,7 @@ def _settings(preset: Preset, settings: Json) -> Json:
     return settings
 
 
-def _task_to_json(spec: TaskSpec) -> Json:
-    return {
-        "env_id": spec.env_id,
-        "title": spec.title,
-        "features": [
-            {"name": f.name, "unit": f.unit, "scale": f.scale, "range": float(width)}
-            for f, width in zip(spec.features, spec.ranges, strict=True)
-        ],
-        "action_names": list(spec.action_names),
-        "action_grid": None if spec.action_grid is None else spec.action_grid.tolist(),
-        "action_offset": spec.action_offset,
-        "action_bins": spec.action_bins,
-    }
-
-
-def _task_from_json(task: _Fields) -> TaskSpec:
-    env_id, title = task.text("env_id"), task.text("title")
-    if ":" in env_id:  # Gymnasium would import what stands before the colon.
-        raise AgentFileError(f"Expected an environment's plain id, but got {quote(env_id)}.")
-    features, ranges = [], []
-    for i, raw in enumerate(task.items("features", MAX_FEATURES)):
-        one = _Fields(raw, f"feature {i}")
-        ranges.append(one.number("range"))
-        features.append(
-            Feature(one.text("name"), one.text("unit"), one.number("scale"), ranges[-1])
-        )
-    names = tuple(
-        task.check_text("action_names", n) for n in task.items("action_names", MAX_ACTIONS)
-    )
-    if not (features and names and min(ranges) > 0 and all(f.scale for f in features)):
-        raise AgentFileError(
-            "Expected at least one feature and one action, scales other than 0 and positive ranges."
-        )
-    grid, bins = None, task.raw("action_bins")
-    if task.raw("action_grid") is not None:
-        grid = _grid(task.items("action_grid", MAX_ACTIONS), len(names))
-        bins = task.whole("action_bins", 2, MAX_ACTION_BINS)
-    elif bins is not None:
-        raise AgentFileError("Expected no action_bins where actions are discrete.")
-    entry = CATALOGUE.get(env_id, Entry(env_id, title))
-    return TaskSpec(
-        env_id=env_id,
-        title=title,
-        features=tuple(features),
-        action_names=names,
-        ranges=np.array(ranges, np.float64),
-        action_grid=grid,
-        action_offset=task.whole("action_offset", -(2**31), 2**31),
-        action_bins=bins,
-        entry=entry,
-    )
-
-
-def _grid(rows: list[Any], n_actions: int) -> np.ndarray:
-    dims = len(rows[0]) if rows and isinstance(rows[0], list) else 0
-    sound = len(rows) == n_actions and all(
-        isinstance(row, list)
-        and len(row) == dims
-        and all(type(x) in (int, float) and math.isfinite(x) and abs(x) < 1e300 for x in row)
-        for row in rows
-    )
-    if not sound or not 1 <= dims <= 3:
-        raise AgentFileError("Expected action_grid to hold one to three finite numbers an action.")
-    return np.array(rows, np.float64)
-
-
-def _generator(fields: _Fields) -> Generator:
+def _generator(fields: Fields) -> Generator:
     state: dict[str, str | int] = {"bit_generator": fields.one_of("bit_generator", ["PCG64"])}
     for name in ("state", "inc"):
         text = fields.text(name)
@@ -373,7 +220,7 @@ def _generator(fields: _Fields) -> Generator:
     return state
 
 
-def _episode(fields: _Fields) -> EpisodeHeader:
+def _episode(fields: Fields) -> EpisodeHeader:
     return EpisodeHeader(
         seed=fields.whole("seed", most=2**63 - 1),
         steps=fields.whole("steps", least=1, most=2**31),

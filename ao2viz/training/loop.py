@@ -38,6 +38,17 @@ def evaluation_seed(seed: int, episode: int) -> int:
     return FIRST_EVALUATION_SEED + offset % FIRST_EVALUATION_SEED
 
 
+def to_seed(seed: int) -> int:
+    """An agent's seed, checked.
+
+    Raises:
+        ValueError: If it is no whole number from 0 on.
+    """
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or not 0 <= seed < 2**63:
+        raise ValueError(f"Expected seed to be a whole number from 0 on, but got {seed!r}.")
+    return int(seed)
+
+
 def reset(env: gym.Env, spec: TaskSpec, seed: int) -> NDArray[np.float64]:
     """Begins an episode and gives its checked first observation.
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from ao2viz import AO2, GrowthKind, Preset
-from ao2viz.store import archive, manifest, saved
+from ao2viz.store import archive, fields, manifest, saved
 from tests.store.hostile import Parts
 
 PAGE = (Path(__file__).parents[2] / "docs" / "format.md").read_text()
@@ -38,7 +38,7 @@ def test_every_field_and_array_is_on_the_page(tmp_path, preset):
 def test_the_page_tells_the_version_and_the_limits():
     assert f"`{manifest.FORMAT_VERSION}`" in PAGE
     assert f'"{manifest.FORMAT}"' in PAGE
-    for limit in (archive.MAX_MEMBERS, manifest.MAX_EPISODES, saved.MAX_DEPTH, manifest.MAX_TEXT):
+    for limit in (archive.MAX_MEMBERS, manifest.MAX_EPISODES, saved.MAX_DEPTH, fields.MAX_TEXT):
         assert f"{limit:,} " in PAGE, limit
     assert archive.MAX_FILE_BYTES == archive.MAX_ARRAY_BYTES == 512 * 2**20
     assert archive.MAX_MANIFEST_BYTES == 8 * 2**20
