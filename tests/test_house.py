@@ -29,6 +29,7 @@ LAYERS = {
     "figures": 4,
     "exports": 5,
     "ui": 6,
+    "paper": 6,
     "cli": 7,
     "__main__": 8,
     "__init__": 8,

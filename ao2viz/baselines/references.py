@@ -1,7 +1,6 @@
 """Others' own implementations behind our face: what stable-baselines3 and sb3-contrib learn.
 
-Settings are those that rl-baselines3-zoo found (MIT), less what changes over a run: how long a run
-will be is not known here. Nothing of them is pickled: networks are kept as plain numbers.
+Nothing of them is pickled: networks are kept as plain numbers.
 """
 
 import os
@@ -25,6 +24,7 @@ from ao2viz.baselines.files import SavedBaseline, take, to_history, write
 from ao2viz.baselines.making import Maker
 from ao2viz.baselines.playing import play_together
 from ao2viz.baselines.threads import one_thread
+from ao2viz.baselines.zoo import reference_settings, steps_per_update
 from ao2viz.envs.task import TaskSpec, to_observation
 from ao2viz.recording.history import EpisodeSummary, History
 from ao2viz.store.errors import AgentFileError
@@ -36,37 +36,6 @@ _CLASSES: Mapping[Algorithm, type[BaseAlgorithm]] = {
     Algorithm.SB3_SAC: SAC,
     Algorithm.SB3_QRDQN: QRDQN,
 }
-_BESIDE = {"envs": 1, "normalise": False}  # What is ours to do, around the algorithm.
-
-_CARTPOLE_PPO = {
-    "envs": 8, "n_steps": 32, "batch_size": 256, "gae_lambda": 0.8, "gamma": 0.98, "n_epochs": 20,
-    "learning_rate": 1e-3,
-}  # fmt: skip
-_CARTPOLE_QRDQN = {
-    "learning_rate": 2.3e-3, "batch_size": 64, "buffer_size": 100_000, "learning_starts": 1000,
-    "target_update_interval": 10, "train_freq": 256, "gradient_steps": 128,
-    "exploration_fraction": 0.16, "exploration_final_eps": 0.04,
-}  # fmt: skip
-_PROVEN: Mapping[tuple[Algorithm, str], Mapping[str, Any]] = {
-    (Algorithm.SB3_PPO, "CartPole-v0"): _CARTPOLE_PPO,
-    (Algorithm.SB3_PPO, "CartPole-v1"): _CARTPOLE_PPO,
-    (Algorithm.SB3_PPO, "Acrobot-v1"): {
-        "envs": 16, "normalise": True, "n_steps": 256, "gae_lambda": 0.94, "gamma": 0.99,
-        "n_epochs": 4, "ent_coef": 0.0,
-    },
-    (Algorithm.SB3_PPO, "Pendulum-v1"): {
-        "envs": 4, "n_steps": 1024, "gae_lambda": 0.95, "gamma": 0.9, "n_epochs": 10,
-        "ent_coef": 0.0, "learning_rate": 1e-3, "use_sde": True, "sde_sample_freq": 4,
-    },
-    (Algorithm.SB3_SAC, "Pendulum-v1"): {"learning_rate": 1e-3},
-    (Algorithm.SB3_QRDQN, "CartPole-v0"): _CARTPOLE_QRDQN,
-    (Algorithm.SB3_QRDQN, "CartPole-v1"): _CARTPOLE_QRDQN,
-    (Algorithm.SB3_QRDQN, "Acrobot-v1"): {
-        "learning_rate": 6.3e-4, "batch_size": 128, "buffer_size": 50_000, "learning_starts": 0,
-        "target_update_interval": 250, "train_freq": 4, "gradient_steps": 4,
-        "exploration_fraction": 0.12,
-    },
-}  # fmt: skip
 
 
 class Reference:
@@ -81,10 +50,7 @@ class Reference:
         self.spec: TaskSpec = make.spec
         self.seed = to_seed(seed)
         self.history = History()
-        self.settings: dict[str, Any] = {
-            **_BESIDE,
-            **_PROVEN.get((algorithm, self.spec.env_id), {}),
-        }
+        self.settings = reference_settings(algorithm, self.spec.env_id)
         self._make = make
         _check_actions(algorithm, self.spec)
         given = dict(self.settings)
@@ -116,8 +82,7 @@ class Reference:
     @property
     def steps_per_update(self) -> int:
         """`learn` stops at multiples of it."""
-        steps = getattr(self._model, "n_steps", None) or self._model.train_freq.frequency
-        return steps * self.settings["envs"]
+        return steps_per_update(self.algorithm, self.spec.env_id)
 
     @property
     def env(self) -> gym.Env:

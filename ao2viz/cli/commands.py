@@ -6,11 +6,11 @@ from typing import Annotated
 import typer
 
 from ao2viz.cli.console import say
+from ao2viz.cli.experiments import paper, results, sweep
+from ao2viz.cli.options import AgentFile, Env, Json
 from ao2viz.core.config import Preset
-from ao2viz.experiments.clusters import Cluster
 from ao2viz.explain.questions import Question
 from ao2viz.exports.formats import ABOUT, Format
-from ao2viz.extras import need
 
 DEFAULT_HOST = "127.0.0.1"
 DEFAULT_PORT = 8080
@@ -22,17 +22,6 @@ app = typer.Typer(
     no_args_is_help=False,
     rich_markup_mode="rich",
 )
-
-AgentFile = Annotated[Path, typer.Argument(metavar="FILE", help="An agent's .ao2 file.")]
-Env = Annotated[
-    str | None,
-    typer.Option(
-        "--env",
-        metavar="ENV",
-        help="The environment, where the id in the file is not enough: module:EnvId.",
-    ),
-]
-Json = Annotated[bool, typer.Option("--json", help="Print one JSON value instead of text.")]
 
 
 def _version(wanted: bool) -> None:
@@ -190,89 +179,10 @@ def cleanse(
     run(file, out=out, tolerance=tolerance, overwrite=overwrite, as_json=as_json)
 
 
-@app.command()
-def sweep(
-    envs: Annotated[
-        list[str], typer.Argument(metavar="ENV…", help="Gymnasium environments to train on.")
-    ],
-    steps: Annotated[int, typer.Option(min=1, help="Steps that each run learns from.")] = 20_000,
-    seeds: Annotated[
-        str, typer.Option(metavar="SEEDS", help="0:10 (that is 0 to 9), 0,3,7 or both: 0:3,7.")
-    ] = "0:5",
-    checkpoints: Annotated[
-        str,
-        typer.Option(
-            metavar="STEPS,…", help="Evaluate after so many steps too; always after --steps."
-        ),
-    ] = "",
-    episodes: Annotated[
-        int, typer.Option(min=1, help="Greedy episodes at each checkpoint, by vote and by path.")
-    ] = 100,
-    preset: Annotated[
-        Preset, typer.Option(help="The agent: ours, or the closest reading of the paper.")
-    ] = Preset.ANTICIPATING,
-    settings: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="NAME=VALUE,…",
-            help="Try each of these values, such as levels=3,4; repeated: every combination.",
-        ),
-    ] = None,
-    out: Annotated[
-        Path, typer.Option(help="The table; runs that are in it already are not done again.")
-    ] = Path("runs/results.parquet"),
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, help="Runs at a time; otherwise one for each processor."),
-    ] = None,
-    cluster: Annotated[
-        Cluster, typer.Option(help="Who does the work: this machine's processes, Dask or Ray.")
-    ] = Cluster.LOCAL,
-    address: Annotated[
-        str | None,
-        typer.Option(metavar="HOST:PORT", help="A running cluster; otherwise one is started here."),
-    ] = None,
-    as_json: Json = False,
-) -> int:
-    """Train and evaluate over environments, settings and seeds; the same command goes on later."""
-    need("experiments")
-    from ao2viz.cli.sweep import run  # noqa: PLC0415 -- heavy.
-
-    return run(
-        envs,
-        steps=steps,
-        seeds=seeds,
-        checkpoints=checkpoints,
-        episodes=episodes,
-        preset=preset,
-        settings=settings or [],
-        out=out,
-        workers=workers,
-        cluster=cluster,
-        address=address,
-        as_json=as_json,
-    )
-
-
-@app.command()
-def results(
-    file: Annotated[Path, typer.Argument(metavar="FILE", help="A table that sweep has made.")],
-    markdown: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Write the tables between the marks of a .md file."),
-    ] = None,
-    plot: Annotated[
-        Path | None,
-        typer.Option(metavar="FILE", help="Draw the learning curves into an .html file."),
-    ] = None,
-    as_json: Json = False,
-) -> None:
-    """Sum up a sweep over its seeds: means, interquartile means with intervals, learning curves."""
-    need("experiments")
-    from ao2viz.cli.results import run  # noqa: PLC0415 -- heavy.
-
-    run(file, markdown=markdown, plot=plot, as_json=as_json)
+# The help lists commands in this order.
+app.command()(sweep)
+app.command()(results)
+app.command()(paper)
 
 
 @app.command(

@@ -5,14 +5,18 @@ import functools
 import time
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ao2viz import baselines
 from ao2viz.agent import AO2
+from ao2viz.baselines.algorithm import Acting, Algorithm
 from ao2viz.core.decision import DecideBy
 from ao2viz.experiments.plan import Run, Schedule
 from ao2viz.experiments.provenance import Provenance, provenance
+from ao2viz.recording.history import History
 from ao2viz.training.loop import evaluation_seed, play
 from ao2viz.training.warmup import warm_up
 
@@ -29,14 +33,17 @@ class Evaluation:
 
     run: Run
     steps: int  # Learned from until then.
-    decide_by: DecideBy  # In these episodes; while learning, the run's settings say it.
+    decide_by: DecideBy | Acting  # In these episodes; while learning, the run's settings say it.
     returns: tuple[float, ...]  # Undiscounted sum of rewards of each greedy episode.
-    options: int  # Living ones in the forest.
-    stack_mean: float  # Options from the root to the most similar one, over all decisions …
-    stack_most: int  # … of the first STACK_EPISODES episodes.
+    options: int  # Living ones in the forest; of a network, its parameters.
+    stack_mean: float  # Options from the root to the most similar one (a network: 0), over all …
+    stack_most: int  # … decisions of the first STACK_EPISODES episodes.
     cpu_s: float  # Processor seconds of learning until then, the environment's steps included.
     made_by: Provenance
     finished_at: datetime.datetime  # In UTC.
+    # Of training, since the checkpoint before; only with the first way of deciding.
+    episode_ends: tuple[int, ...] = ()  # Steps learned from when each episode ended.
+    episode_returns: tuple[float, ...] = ()  # What each earned, explored and all.
 
     @property
     def mean_return(self) -> float:
@@ -68,15 +75,18 @@ def attempt(run: Run, schedule: Schedule) -> Outcome:
 
 
 def measure(run: Run, schedule: Schedule) -> Iterator[Evaluation]:
-    """Trains one agent and evaluates it at every checkpoint, in both ways of deciding.
+    """Trains one agent and evaluates it at every checkpoint, in both ways of deciding or acting.
 
     Evaluating never touches the agent that learns: a copy settles and plays. So the figures at a
     checkpoint are those of `AO2.learn(checkpoint)`, to the bit, whichever others there are.
     """
+    if isinstance(run.preset, Algorithm):
+        yield from _measure_baseline(run, run.preset, schedule)
+        return
     agent = AO2(run.env, run.preset, run.seed, **run.overrides)
     _compile(agent.config, agent.spec.n_features, agent.spec.n_actions)
     stepper = agent.stepper()
-    cpu_s = 0.0
+    cpu_s, told = 0.0, 0
     try:
         for checkpoint in schedule.checkpoints:
             # Of this thread: a cluster's worker does other things besides.
@@ -84,12 +94,13 @@ def measure(run: Run, schedule: Schedule) -> Iterator[Evaluation]:
             for _ in range(checkpoint - agent.num_timesteps):
                 stepper.step()
             cpu_s += time.thread_time() - started
-            yield from _evaluate(agent, run, schedule.episodes, cpu_s)
+            yield from _evaluate(agent, run, schedule.episodes, cpu_s, told)
+            told = len(agent.history)
     finally:
         agent.env.close()
 
 
-def _evaluate(agent: AO2, run: Run, episodes: int, cpu_s: float) -> Iterator[Evaluation]:
+def _evaluate(agent: AO2, run: Run, episodes: int, cpu_s: float, told: int) -> Iterator[Evaluation]:
     player = AO2.from_saved(agent.to_saved(), run.env)
     started = time.thread_time()
     player.settle()
@@ -110,9 +121,66 @@ def _evaluate(agent: AO2, run: Run, episodes: int, cpu_s: float) -> Iterator[Eva
                 cpu_s=cpu_s,
                 made_by=provenance(),
                 finished_at=datetime.datetime.now(datetime.UTC),
+                **_training(agent.history, told, decide_by is run.ways[0]),
             )
     finally:
         player.env.close()
+
+
+def _measure_baseline(run: Run, algorithm: Algorithm, schedule: Schedule) -> Iterator[Evaluation]:
+    """The same of an algorithm that AO2 is compared with; evaluating leaves it as it is.
+
+    Raises:
+        ValueError: If a checkpoint is not the end of an update.
+    """
+    agent = baselines.make(algorithm, run.env, run.seed, **run.overrides)
+    for checkpoint in schedule.checkpoints:
+        if checkpoint % agent.steps_per_update:
+            raise ValueError(
+                f"{algorithm.value} can be evaluated after multiples of "
+                f"{agent.steps_per_update:,} steps, but a checkpoint is {checkpoint:,}."
+            )
+    found: list[Evaluation] = []
+    started, evaluating = time.thread_time(), 0.0
+    told = 0
+
+    def evaluate(_: object) -> None:
+        nonlocal evaluating, told
+        if agent.num_timesteps not in schedule.checkpoints:
+            return
+        began = time.thread_time()
+        for acting in Acting:
+            returns = agent.evaluate(schedule.episodes, deterministic=acting is Acting.GREEDY)
+            found.append(
+                Evaluation(
+                    run=run,
+                    steps=agent.num_timesteps,
+                    decide_by=acting,
+                    returns=tuple(returns.tolist()),
+                    options=agent.n_parameters,
+                    stack_mean=0.0,
+                    stack_most=0,
+                    cpu_s=began - started - evaluating,
+                    made_by=provenance(),
+                    finished_at=datetime.datetime.now(datetime.UTC),
+                    **_training(agent.history, told, acting is run.ways[0]),
+                )
+            )
+        told = len(agent.history)
+        evaluating += time.thread_time() - began
+
+    # In one go, as some algorithms plan how long they will learn.
+    agent.learn(schedule.checkpoints[-1], evaluate)
+    yield from found
+
+
+def _training(history: History, told: int, is_first: bool) -> dict[str, Any]:
+    """The training episodes that were not told yet."""
+    rows = history.to_array()[told:] if is_first else []
+    return {
+        "episode_ends": tuple(int(row[0]) for row in rows),
+        "episode_returns": tuple(float(row[1]) for row in rows),
+    }
 
 
 def _stacks(player: AO2, episodes: int) -> NDArray[np.int64]:

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ao2viz.agent import AO2
+from ao2viz.baselines.algorithm import Acting, Algorithm
 from ao2viz.core.config import Preset, config_to_dict
+from ao2viz.core.decision import DecideBy
 
 MAX_RUNS = 100_000
 """More are a slip of the keyboard."""
@@ -18,7 +20,7 @@ class Run:
     """One agent to train; equal runs give equal agents."""
 
     env: str  # What `gymnasium.make` takes.
-    preset: Preset
+    preset: Preset | Algorithm  # Of AO2, or what AO2 is compared with.
     settings: str  # JSON object of what differs from the proven settings, by name.
     seed: int
 
@@ -26,6 +28,11 @@ class Run:
     def overrides(self) -> dict[str, Any]:
         """The settings as `AO2` takes them."""
         return json.loads(self.settings)
+
+    @property
+    def ways(self) -> tuple[DecideBy | Acting, ...]:
+        """In which it is evaluated."""
+        return tuple(DecideBy if isinstance(self.preset, Preset) else Acting)
 
     def __str__(self) -> str:
         return f"{self.env} {self.preset.value}{say_settings(self.settings)} seed {self.seed}"
@@ -37,6 +44,14 @@ class Schedule:
 
     checkpoints: tuple[int, ...]  # Steps learned from by then, rising; the last ends the run.
     episodes: int  # Greedy episodes for each way of deciding.
+
+
+@dataclass(frozen=True)
+class Task:
+    """Something to do."""
+
+    run: Run
+    schedule: Schedule
 
 
 def make_schedule(steps: int, checkpoints: Iterable[int], episodes: int) -> Schedule:

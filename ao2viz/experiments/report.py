@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
+from ao2viz.baselines.algorithm import Acting
 from ao2viz.core.decision import DecideBy
 from ao2viz.experiments.measure import Evaluation
 from ao2viz.experiments.plan import say_settings
@@ -37,7 +38,7 @@ class _Pair:
     """The same agents at the same checkpoint, deciding in both ways."""
 
     any: Summary
-    by: Mapping[DecideBy, Summary]
+    by: Mapping[DecideBy | Acting, Summary]
 
     @property
     def title(self) -> str:
@@ -95,7 +96,7 @@ def _make_blocks(summaries: Sequence[Summary], source: str) -> dict[Block, str]:
 
 
 def _pair(summaries: Sequence[Summary]) -> list[_Pair]:
-    grouped: dict[tuple[str, str, str, int], dict[DecideBy, Summary]] = defaultdict(dict)
+    grouped: dict[tuple[str, str, str, int], dict[DecideBy | Acting, Summary]] = defaultdict(dict)
     for one in summaries:
         grouped[one.env, one.preset.value, one.settings, one.steps][one.decide_by] = one
     return [_Pair(next(iter(by.values())), by) for by in grouped.values()]
@@ -138,7 +139,7 @@ def _in_short(pairs: Sequence[_Pair]) -> str:
         "task", "preset", "settings", "steps", "seeds", "by vote", "by one path", "IQM by vote",
         "IQM by one path", "options", "stack", "CPU s",
     ]  # fmt: skip
-    return _table(headings, rows)
+    return to_table(headings, rows)
 
 
 def _every_seed(pairs: Sequence[_Pair]) -> str:
@@ -172,11 +173,13 @@ def _seeds(pair: _Pair) -> str:
         ]
     )
     headings = ["seed", "by vote", "by one path", "options", "stack", "CPU s"]
-    return _table(headings, rows)
+    return to_table(headings, rows)
 
 
 def _stack(ways: Sequence[Evaluation | Summary]) -> str:
     """Mean length of the decision stack in each way of deciding, and the most of any."""
+    if not ways:  # A network has none.
+        return _MISSING
     means = ", ".join(f"{one.stack_mean:.1f}" for one in ways)
     return f"{means} (≤ {max(one.stack_most for one in ways)})"
 
@@ -209,7 +212,7 @@ def _say(how: Callable[[Summary], str], one: Summary | None) -> str:
     return _MISSING if one is None else how(one)
 
 
-def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def to_table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
     """A Markdown table, less the columns that are empty in every row."""
     kept = [i for i in range(len(headings)) if any(row[i] for row in rows)]
     head, *body = (f"| {' | '.join(row[i] for i in kept)} |\n" for row in (headings, *rows))

@@ -5,7 +5,7 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 
 from ao2viz.experiments.clusters import Workers
 from ao2viz.experiments.measure import Outcome, attempt
-from ao2viz.experiments.plan import Run, Schedule
+from ao2viz.experiments.plan import Run, Schedule, Task
 from ao2viz.experiments.provenance import Provenance, provenance
 from ao2viz.experiments.table import Table, TableError
 
@@ -25,8 +25,7 @@ def missing(table: Table, runs: Sequence[Run], schedule: Schedule) -> list[Run]:
 
 def sweep(
     table: Table,
-    runs: Sequence[Run],
-    schedule: Schedule,
+    tasks: Sequence[Task],
     workers: Workers,
     on_start: Callable[[Run], None] = lambda run: None,
 ) -> Generator[Outcome, None, None]:
@@ -36,8 +35,7 @@ def sweep(
 
     Args:
         table: Gets the evaluations.
-        runs: What to do.
-        schedule: When to evaluate.
+        tasks: What to do.
         workers: Who does it.
         on_start: Called with each run when a worker gets it, from any thread.
 
@@ -47,14 +45,14 @@ def sweep(
         WorkersLostError: If a worker dies.
     """
 
-    def tasks() -> Iterator[tuple[Run, Schedule]]:
-        for run in runs:
-            on_start(run)
-            yield run, schedule
+    def given_out() -> Iterator[Task]:
+        for task in tasks:
+            on_start(task.run)
+            yield task
 
     here = provenance()
     # Closed at once when we are: else the workers would go on until nobody remembers them.
-    with contextlib.closing(workers.map(_attempt, tasks())) as outcomes:
+    with contextlib.closing(workers.map(_attempt, given_out())) as outcomes:
         for outcome in outcomes:
             for evaluation in outcome.evaluations:
                 _check_version("The workers have", evaluation.made_by, here)
@@ -63,8 +61,8 @@ def sweep(
             yield outcome
 
 
-def _attempt(task: tuple[Run, Schedule]) -> Outcome:
-    return attempt(*task)
+def _attempt(task: Task) -> Outcome:
+    return attempt(task.run, task.schedule)
 
 
 def _check_version(whose: str, there: Provenance, here: Provenance) -> None:

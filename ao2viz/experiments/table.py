@@ -15,6 +15,7 @@ from typing import Any
 import pyarrow as pa
 import pyarrow.parquet as pq
 
+from ao2viz.baselines.algorithm import Acting, Algorithm
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import DecideBy
 from ao2viz.experiments.locks import locked
@@ -24,7 +25,7 @@ from ao2viz.experiments.provenance import Provenance
 from ao2viz.store.replacing import replacing
 
 SUFFIX = ".parquet"
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 _FORMAT = b"ao2viz_results"  # Its version, in the file's metadata.
 SCHEMA = pa.schema(
     [
@@ -44,14 +45,18 @@ SCHEMA = pa.schema(
         pa.field("version", pa.string(), nullable=False),
         pa.field("commit", pa.string()),  # Missing outside a checkout.
         pa.field("finished_at", pa.timestamp("us", tz="UTC"), nullable=False),
+        pa.field("episode_ends", pa.list_(pa.int64())),  # Missing in tables of format 1.
+        pa.field("episode_returns", pa.list_(pa.float64())),
     ],
     metadata={_FORMAT: str(FORMAT_VERSION).encode()},
 )
 
+_SINCE_2 = ("episode_ends", "episode_returns")
+
 # All that names and settings need; what is shown on pages cannot be more than text.
 _PLAIN = re.compile(r'[\w\s{}":,.+/-]*')
 
-_Key = tuple[Run, int, DecideBy]
+_Key = tuple[Run, int, DecideBy | Acting]
 
 
 class TableError(ValueError):
@@ -73,6 +78,10 @@ class Table:
         """Rows."""
         return self._rows.num_rows
 
+    def evaluations(self) -> list[Evaluation]:
+        """Every row, in the order in which the runs finished."""
+        return _to_evaluations(self.path, self._rows)
+
     def holds(self, run: Run, schedule: Schedule) -> bool:
         """Whether nothing of a run is left to measure.
 
@@ -82,7 +91,7 @@ class Table:
         held = [
             self._episodes.get((run, steps, decide_by))
             for steps in schedule.checkpoints
-            for decide_by in DecideBy
+            for decide_by in run.ways
         ]
         for episodes in held:
             if episodes not in (None, schedule.episodes):
@@ -133,8 +142,11 @@ def read(path: Path) -> list[Evaluation]:
 def _read_rows(path: Path) -> pa.Table:
     content = path.read_bytes()
     try:
-        _check_schema(path, pq.read_schema(pa.BufferReader(content)))
+        is_old = _check_schema(path, pq.read_schema(pa.BufferReader(content)))
         rows = pq.read_table(pa.BufferReader(content))
+        for name in _SINCE_2 if is_old else ():
+            field = SCHEMA.field(name)
+            rows = rows.append_column(field, pa.nulls(len(rows), field.type))
     except (pa.ArrowException, OSError) as error:  # OSError: what is written in it misleads.
         raise TableError(f"{path} is no sound Parquet file: {error}") from error
     return rows.replace_schema_metadata(SCHEMA.metadata)
@@ -150,22 +162,25 @@ def _to_evaluations(path: Path, rows: pa.Table) -> list[Evaluation]:
     return evaluations
 
 
-def _check_schema(path: Path, found: pa.Schema) -> None:
+def _check_schema(path: Path, found: pa.Schema) -> bool:
+    """Whether a sound table is of format 1, which knew nothing of training episodes."""
     version = (found.metadata or {}).get(_FORMAT, b"")
     if version.isdigit() and int(version) > FORMAT_VERSION:
         raise TableError(
             f"{path} was written by a newer ao2viz: its format is {int(version)}, and "
             f"{FORMAT_VERSION} is the newest known here."
         )
+    is_old = version == b"1"
+    known = [f for f in SCHEMA if not (is_old and f.name in _SINCE_2)]
     told = []
     for words, names in (
-        ("lacks", [f.name for f in SCHEMA if f.name not in found.names]),
-        ("also has", [name for name in found.names if name not in SCHEMA.names]),
+        ("lacks", [f.name for f in known if f.name not in found.names]),
+        ("also has", [name for name in found.names if name not in {f.name for f in known}]),
         (
             "has another type in",
             [
                 f.name
-                for f in SCHEMA
+                for f in known
                 if f.name in found.names and not found.field(f.name).type.equals(f.type)
             ],
         ),
@@ -174,6 +189,7 @@ def _check_schema(path: Path, found: pa.Schema) -> None:
             told.append(f"{words} {', '.join(names)}")
     if told:
         raise TableError(f"{path} is no table of a sweep: it {'; it '.join(told)}.")
+    return is_old
 
 
 def _write(path: Path, rows: pa.Table) -> None:
@@ -205,6 +221,8 @@ def _to_row(evaluation: Evaluation) -> dict[str, Any]:
         "cpu_s": evaluation.cpu_s,
         **evaluation.made_by._asdict(),
         "finished_at": evaluation.finished_at,
+        "episode_ends": list(evaluation.episode_ends),
+        "episode_returns": list(evaluation.episode_returns),
     }
 
 
@@ -219,14 +237,33 @@ def _from_row(row: dict[str, Any]) -> Evaluation:
         raise ValueError(f"expected a JSON object as settings, but got {row['settings']!r}.")
     if not row["returns"] or None in row["returns"]:
         raise ValueError("expected the return of at least one episode, and none missing.")
+    ends, earned = (tuple(row[name] or ()) for name in _SINCE_2)
+    if len(ends) != len(earned) or None in ends or None in earned:
+        raise ValueError("expected the end and the return of every training episode.")
+    preset = to_learner(row["preset"])
+    way = DecideBy if isinstance(preset, Preset) else Acting
     return Evaluation(
-        run=Run(row["env"], Preset(row["preset"]), row["settings"], row["seed"]),
-        decide_by=DecideBy(row["decide_by"]),
+        run=Run(row["env"], preset, row["settings"], row["seed"]),
+        decide_by=way(row["decide_by"]),
         returns=tuple(row["returns"]),
+        episode_ends=ends,
+        episode_returns=earned,
         made_by=Provenance(row["version"], row["commit"]),
         **{
             field.name: row[field.name]
             for field in dataclasses.fields(Evaluation)
-            if field.name not in {"run", "decide_by", "returns", "made_by"}
+            if field.name not in {"run", "decide_by", "returns", "made_by", *_SINCE_2}
         },
     )
+
+
+def to_learner(name: str) -> Preset | Algorithm:
+    """The preset or the algorithm of that name.
+
+    Raises:
+        ValueError: If there is none.
+    """
+    known = {one.value: one for one in (*Preset, *Algorithm)}
+    if name not in known:
+        raise ValueError(f"{name!r} is not a valid Preset, and no Algorithm.")
+    return known[name]

@@ -60,7 +60,7 @@ def to_page(content: Content) -> str:
     )
     environment = jinja2.Environment(autoescape=True, undefined=jinja2.StrictUndefined)
     return environment.from_string(template).render(
-        policy=_policy(css, script),
+        policy=page_policy(css, script),
         css=Markup(css),
         script=Markup(script),
         version=metadata.version("ao2viz"),
@@ -69,11 +69,12 @@ def to_page(content: Content) -> str:
     )
 
 
-def _policy(css: str, script: str) -> str:
-    """What the page may do: run this script and this style, and load nothing."""
+def page_policy(css: str, script: str = "") -> str:
+    """What a page may do: run this script, if any, and this style, and load nothing."""
+    running = f"script-src '{_hash(script)}'; " if script else ""
     return (
-        f"default-src 'none'; style-src '{_hash(css)}'; script-src '{_hash(script)}'; "
-        f"base-uri 'none'; form-action 'none'"
+        f"default-src 'none'; style-src '{_hash(css)}'; {running}base-uri 'none'; "
+        f"form-action 'none'"
     )
 
 

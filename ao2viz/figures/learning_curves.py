@@ -1,7 +1,7 @@
 """What was learned after how many steps, over several seeds: one chart for each environment."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,12 +9,24 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 from plotly.subplots import make_subplots
 
+from ao2viz.baselines.algorithm import Acting
 from ao2viz.core.decision import DecideBy
 from ao2viz.figures.charts import style
 from ao2viz.figures.palette import Rgb, action_colors, to_hex
 
 _CHART_PX = 380  # Height of one environment's chart.
-_DASHES = {DecideBy.VOTE: "solid", DecideBy.PATH: "dash"}
+_DASHES: Mapping[DecideBy | Acting, str] = {
+    DecideBy.VOTE: "solid",
+    DecideBy.PATH: "dash",
+    Acting.GREEDY: "solid",
+    Acting.SAMPLED: "dot",
+}
+_WAYS: Mapping[DecideBy | Acting, str] = {
+    DecideBy.VOTE: "by vote",
+    DecideBy.PATH: "by one path",
+    Acting.GREEDY: "greedy",
+    Acting.SAMPLED: "drawn",
+}
 _BAND_OPACITY = 0.16
 _SEED_OPACITY = 0.35
 
@@ -28,7 +40,7 @@ class Curve:
 
     env: str
     group: str  # Preset and settings in words; equal ones share a colour.
-    decide_by: DecideBy
+    decide_by: DecideBy | Acting
     steps: NDArray[np.int64]  # [C] rising.
     middle: NDArray[np.float64]  # [C] interquartile mean of the seeds' mean returns.
     low: NDArray[np.float64]  # [C] lower end of its interval; `middle` for a single seed.
@@ -56,7 +68,7 @@ def learning_curves_figure(curves: Sequence[Curve]) -> go.Figure:
     for curve in curves:
         row = envs.index(curve.env) + 1
         r, g, b = (int(part) for part in colors[groups.index(curve.group)])
-        name = f"{curve.group}, by {'vote' if curve.decide_by is DecideBy.VOTE else 'one path'}"
+        name = f"{curve.group}, {_WAYS[curve.decide_by]}"
         band, *seeds, middle = _traces(curve, name, (r, g, b), in_legend=name not in shown)
         for layer, traces in zip(layers, ([band], seeds, [middle]), strict=True):
             layer += [(trace, row) for trace in traces]

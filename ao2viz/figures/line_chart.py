@@ -30,7 +30,7 @@ def draw_lines(figure: go.Figure, title: str, width: float, height: float) -> Dr
     levels = [float(mark.y0) for mark in layout.shapes if mark.y0 == mark.y1]
     xs = np.concatenate([x for x, _, _ in lines])
     ys = np.concatenate([*(y for _, y, _ in lines), np.array(levels)])
-    across = _Axis(xs, LEFT, width - RIGHT)
+    across = _Axis(xs, LEFT, width - RIGHT, is_log=layout.xaxis.type == "log")
     up = _Axis(ys, height - BOTTOM, TOP)
     shapes: list[Shape] = []
     for value in up.ticks():
@@ -75,10 +75,13 @@ def draw_lines(figure: go.Figure, title: str, width: float, height: float) -> Dr
 
 
 class _Axis:
-    """From values to pixels."""
+    """From values to pixels; a logarithmic one is for values above 0."""
 
-    def __init__(self, values: NDArray[np.float64], first: float, last: float) -> None:
-        finite = values[np.isfinite(values)]
+    def __init__(
+        self, values: NDArray[np.float64], first: float, last: float, *, is_log: bool = False
+    ) -> None:
+        self._is_log = is_log
+        finite = self._scaled(values[np.isfinite(values)])
         self._low = float(finite.min()) if len(finite) else 0.0
         self._high = float(finite.max()) if len(finite) else 1.0
         if self._high == self._low:
@@ -86,11 +89,19 @@ class _Axis:
         self._first, self._last = first, last
 
     def place(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        share = (values - self._low) / (self._high - self._low)
+        share = (self._scaled(values) - self._low) / (self._high - self._low)
         return self._first + share * (self._last - self._first)
+
+    def _scaled(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.log10(values) if self._is_log else values
 
     def ticks(self) -> list[float]:
         """A few round values within the axis."""
+        if self._is_log:
+            low, high = 10**self._low, 10**self._high
+            decades = range(int(np.floor(self._low)), int(np.ceil(self._high)) + 1)
+            rounds = [m * 10.0**k for k in decades for m in (1, 2, 5)]
+            return [value for value in rounds if low <= value <= high]
         rough = (self._high - self._low) / _TICKS
         scale = 10.0 ** np.floor(np.log10(rough))
         step = scale * next(m for m in (1, 2, 5, 10) if m * scale >= rough)

@@ -10,6 +10,7 @@ from safetensors.numpy import save_file
 from ao2viz import baselines
 from ao2viz.baselines.algorithm import Algorithm
 from ao2viz.baselines.files import FORMAT
+from ao2viz.baselines.zoo import steps_per_update
 from ao2viz.store.errors import AgentFileError
 
 # Each with an environment that it has settings for, and steps that are whole updates.
@@ -21,6 +22,10 @@ PAIRS = [
 ]
 
 
+def smallest(told):
+    return min(np.diff([0, *told]))
+
+
 @pytest.mark.parametrize(("algorithm", "env", "steps"), PAIRS)
 def test_it_learns_and_is_kept(tmp_path, algorithm, env, steps):
     told = []
@@ -28,6 +33,7 @@ def test_it_learns_and_is_kept(tmp_path, algorithm, env, steps):
     agent.learn(steps, lambda one: told.append(one.num_timesteps))
     assert agent.num_timesteps == steps == told[-1]
     assert told == sorted(set(told))
+    assert steps_per_update(algorithm, env) == smallest(told)
     assert steps % agent.steps_per_update == 0
     assert len(agent.history) > 0 or env != "CartPole-v1"
     assert (agent.history.to_array()[:, 0] <= steps).all()

@@ -100,8 +100,8 @@ FOREIGN = {
         "another type in seed",
     ),
     "a newer format": (
-        lambda ours, _: ours.replace_schema_metadata({"ao2viz_results": "2"}),
-        "newer ao2viz: its format is 2, and 1 is the newest known",
+        lambda ours, _: ours.replace_schema_metadata({"ao2viz_results": "3"}),
+        "newer ao2viz: its format is 3, and 2 is the newest known",
     ),
 }
 

@@ -1,0 +1,17 @@
+"""Arguments and options that several commands have."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+AgentFile = Annotated[Path, typer.Argument(metavar="FILE", help="An agent's .ao2 file.")]
+Env = Annotated[
+    str | None,
+    typer.Option(
+        "--env",
+        metavar="ENV",
+        help="The environment, where the id in the file is not enough: module:EnvId.",
+    ),
+]
+Json = Annotated[bool, typer.Option("--json", help="Print one JSON value instead of text.")]

@@ -1,0 +1,66 @@
+"""`ao2viz paper`: the paper's experiments beside its rivals, and the report of what came out."""
+
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from ao2viz.cli.console import say, say_aside, show_json
+from ao2viz.cli.files import check_folder, write_text
+from ao2viz.cli.running import Sweep
+from ao2viz.experiments.clusters import Cluster
+from ao2viz.experiments.provenance import provenance
+from ao2viz.experiments.sweep import missing
+from ao2viz.experiments.table import opened
+from ao2viz.paper.document import pictures_of, to_markdown, to_page
+from ao2viz.paper.findings import TITLE, report
+from ao2viz.paper.plan import FULL, QUICK, make_tasks, only, seconds
+
+TABLE = "results.parquet"
+
+
+def run(
+    *,
+    out: Path,
+    quick: bool,
+    seeds: int | None,
+    rival_seeds: int | None,
+    names: Sequence[str],
+    report_only: bool,
+    workers: int | None,
+    as_json: bool,
+) -> int:
+    """Does what the table lacks, and writes the report; returns the exit code.
+
+    Raises:
+        ValueError: If a name is unknown, or the table was made otherwise; nothing has been run.
+        OSError: If a file cannot be read or written to.
+    """
+    extent = QUICK if quick else FULL
+    n_seeds = extent.seeds if seeds is None else seeds
+    n_rivals = min(n_seeds, extent.rival_seeds) if rival_seeds is None else rival_seeds
+    tasks = make_tasks(extent, n_seeds, n_rivals)
+    chosen = only(tasks, names)
+    check_folder(out / TABLE)
+    with opened(out / TABLE) as table:
+        wanted = [] if report_only else chosen
+        left = [task for task in wanted if missing(table, [task.run], task.schedule)]
+        others = sorted({str(other) for other in table.made_by} - {str(provenance())})
+        if left and others:
+            say_aside(f"{table.path} also holds runs of {', '.join(others)}.")
+        progress = Sweep(table, len(wanted), left, seconds)
+        started = time.perf_counter()
+        code = progress.run(Cluster.LOCAL, workers, None) if left else 0
+        summary = progress.summarise(time.perf_counter() - started)
+        evaluations = table.evaluations()
+    command = "ao2viz paper" + (" --quick" if quick else "")
+    command += f" --seeds {n_seeds} --rival-seeds {n_rivals} --out {out.as_posix()}"
+    sections = report(evaluations, tasks, command)
+    write_text(out / "report.md", to_markdown(TITLE, sections))
+    write_text(out / "report.html", to_page(TITLE, sections))
+    for name, svg in pictures_of(sections).items():
+        write_text(out / name, svg)
+    if as_json:
+        show_json(summary | {"report": str(out / "report.html")})
+    else:
+        say(f"The report is in {out / 'report.html'}, and as Markdown in {out / 'report.md'}.")
+    return code
