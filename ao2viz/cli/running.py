@@ -11,11 +11,13 @@ from rich.text import Text
 from ao2viz.cli.console import say_aside, say_error, stderr
 from ao2viz.cli.exit_codes import EXIT_FAILED
 from ao2viz.cli.interrupts import DeferredInterrupts
+from ao2viz.core.config import Preset
 from ao2viz.experiments.clusters import Cluster, Workers, WorkersLostError, gather
 from ao2viz.experiments.measure import Outcome
 from ao2viz.experiments.plan import Run, Task
 from ao2viz.experiments.sweep import sweep
 from ao2viz.experiments.table import Table
+from ao2viz.figures.learning_curves import say_way
 
 _NAMED = 2
 """Runs under way that the progress line names; the others it counts."""
@@ -182,11 +184,12 @@ def _say_outcome(outcome: Outcome) -> str:
         return f"failed: {outcome.error}"
     last = outcome.evaluations[-1]
     returns = ", ".join(
-        f"{one.mean_return:.1f} by {one.decide_by.value}"
+        f"{one.mean_return:.1f} {say_way(one.decide_by)}"
         for one in outcome.evaluations
         if one.steps == last.steps
     )
-    return f"{returns}, {last.options:,} options, {last.cpu_s:.1f} CPU s"
+    size = "options" if isinstance(last.run.preset, Preset) else "parameters"
+    return f"{returns}, {last.options:,} {size}, {last.cpu_s:.1f} CPU s"
 
 
 def _say_duration(seconds: float) -> str:

@@ -48,6 +48,11 @@ class Curve:
     seeds: dict[int, NDArray[np.float64]]  # [C] mean return of each seed.
 
 
+def say_way(way: DecideBy | Acting) -> str:
+    """How it was decided, in words that go behind a return."""
+    return _WAYS[way]
+
+
 def learning_curves_figure(curves: Sequence[Curve]) -> go.Figure:
     """Return over steps: a line with its band for each curve, and a thin line for each seed.
 
@@ -68,7 +73,7 @@ def learning_curves_figure(curves: Sequence[Curve]) -> go.Figure:
     for curve in curves:
         row = envs.index(curve.env) + 1
         r, g, b = (int(part) for part in colors[groups.index(curve.group)])
-        name = f"{curve.group}, {_WAYS[curve.decide_by]}"
+        name = f"{curve.group}, {say_way(curve.decide_by)}"
         band, *seeds, middle = _traces(curve, name, (r, g, b), in_legend=name not in shown)
         for layer, traces in zip(layers, ([band], seeds, [middle]), strict=True):
             layer += [(trace, row) for trace in traces]

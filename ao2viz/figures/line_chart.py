@@ -51,11 +51,11 @@ def draw_lines(figure: go.Figure, title: str, width: float, height: float) -> Dr
         points = np.column_stack([across.place(x), up.place(y)])
         color, opacity = trace.line.color, trace.opacity or 1.0
         shapes.append(Polyline(points, color, float(trace.line.width or 2), opacity))
-        if len(lines) > 1:
+        if len(lines) > 1 and trace.name:
             swatch = np.array([[[at, 14.0], [at + 18, 14.0]]])
             shapes.append(Segments(swatch, color, 3, opacity))
-            shapes.append(Text(at + 24, 18, trace.name or "", _SIZE, "currentColor"))
-            at += 48 + 7.5 * len(trace.name or "")
+            shapes.append(Text(at + 24, 18, trace.name, _SIZE, "currentColor"))
+            at += 48 + 7.5 * len(trace.name)
     for level, mark in zip(levels, layout.annotations, strict=False):
         y = float(up.place(np.array(level)))
         dashes = np.arange(LEFT, width - RIGHT - 6, 12.0)

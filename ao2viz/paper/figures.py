@@ -1,38 +1,39 @@
-"""The report's charts, as plotly figures: what `figures.line_chart` draws."""
+"""The report's charts."""
 
 from collections.abc import Sequence
 
 import numpy as np
-import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from ao2viz.experiments.measure import Evaluation
 from ao2viz.experiments.statistics import Summary
+from ao2viz.figures.comparisons import Level, Line, lines_drawing
 from ao2viz.figures.drawing import Drawing
-from ao2viz.figures.line_chart import draw_lines
 from ao2viz.figures.palette import action_colors, to_hex
 from ao2viz.paper.published import AO2_SCORE, TITLES, Learner
 
-_SIZE = (1060.0, 380.0)
 EPISODES_A_POINT = 5
 """Training episodes whose mean is one point of the training curve."""
+
+_ACROSS = "steps of the environment"
+_GRAY = "#8b95a5"
 
 
 def curves_drawing(env: str, curves: Sequence[tuple[Learner, Sequence[Summary]]]) -> Drawing:
     """Return over steps, one line a learner; steps on a logarithmic axis, as they differ widely."""
     colors = action_colors(len(TITLES), is_ordered=False)
-    figure = go.Figure()
-    for learner, along in curves:
-        figure.add_scatter(
-            x=[one.steps for one in along],
-            y=[one.means.mean() for one in along],
-            name=TITLES[learner],
-            line={"color": to_hex(colors[list(TITLES).index(learner)]), "width": 2.2},
+    lines = [
+        Line(
+            TITLES[learner],
+            np.array([one.steps for one in along]),
+            np.array([one.means.mean() for one in along]),
+            to_hex(colors[list(TITLES).index(learner)]),
         )
-    level = AO2_SCORE[env]
-    figure.add_hline(level, annotation_text=f"the paper's AO2, average {level:g}")
-    figure.update_layout(xaxis={"type": "log", "title": "steps of the environment"})
-    return draw_lines(figure, f"{env}: mean return over steps", *_SIZE)
+        for learner, along in curves
+    ]
+    score = AO2_SCORE[env]
+    level = Level(score, f"the paper's AO2, average {score:g}".replace("-", "−"))
+    return lines_drawing(f"{env}: mean return over steps", _ACROSS, lines, level, is_log=True)
 
 
 def training_drawing(seeds: Sequence[tuple[NDArray[np.float64], NDArray[np.float64]]]) -> Drawing:
@@ -41,16 +42,12 @@ def training_drawing(seeds: Sequence[tuple[NDArray[np.float64], NDArray[np.float
     Args:
         seeds: For each, [P] steps and [P] mean returns, the steps the same for all.
     """
-    gray, blue = "#8b95a5", to_hex(action_colors(2, is_ordered=False)[0])
-    figure = go.Figure()
-    for steps, returns in seeds:
-        figure.add_scatter(
-            x=steps, y=returns, name="a seed", opacity=0.5, line={"color": gray, "width": 1}
-        )
+    lines = [Line("", steps, returns, _GRAY, 1.0, 0.5) for steps, returns in seeds]
     mean = np.mean([returns for _, returns in seeds], axis=0)
-    figure.add_scatter(x=seeds[0][0], y=mean, name="mean", line={"color": blue, "width": 2.5})
-    figure.update_layout(xaxis={"title": "steps of the environment"})
-    return draw_lines(figure, "Return of training episodes over steps", *_SIZE)
+    blue = to_hex(action_colors(2, is_ordered=False)[0])
+    lines.append(Line("mean of the seeds", seeds[0][0], mean, blue))
+    title = "Return of training episodes over steps"
+    return lines_drawing(title, _ACROSS, lines, is_log=False)
 
 
 def training_points(
