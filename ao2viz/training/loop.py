@@ -101,6 +101,35 @@ def play(
             return total
 
 
+def play_recorded(
+    env: gym.Env,
+    spec: TaskSpec,
+    decide: Callable[[NDArray[np.float64]], Decision],
+    seed: int,
+    smoothing: float,
+) -> Episode:
+    """Plays one greedy episode with every decision; arguments as for `play`."""
+    motion = Motion(spec, smoothing)
+    observations, rewards, decisions = [reset(env, spec, seed)], [], []
+    terminated = truncated = False
+    while not (terminated or truncated):
+        decisions.append(decide(observations[-1]))
+        seen, reward, terminated, truncated = step(env, spec, motion, decisions[-1].action)
+        observations.append(seen)
+        rewards.append(reward)
+    return Episode(
+        env_id=spec.env_id,
+        seed=seed,
+        observations=np.array(observations),
+        actions=np.array([decision.action for decision in decisions], np.int64),
+        rewards=np.array(rewards),
+        decisions=tuple(decisions),
+        terminated=terminated,
+        truncated=truncated,
+        action_smoothing=smoothing,
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class StepResult:
     """One step of one episode."""

@@ -173,6 +173,8 @@ class Dashboard:
             self._sessions[client_id] = session
             if session.source is not None:
                 self._library.open(session.source)
+            if session.other is not None:
+                self._library.open(session.other)
             try:
                 view = project(session, self._world)
                 browser.sync(view, self._gallery, self._frames, self._thinker)

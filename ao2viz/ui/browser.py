@@ -13,6 +13,7 @@ from ao2viz.ui.jobs import Jobs
 from ao2viz.ui.look import Requests
 from ao2viz.ui.overlay import Moment, Overlay, overlay
 from ao2viz.ui.panels.charts import ChartsPanel
+from ao2viz.ui.panels.compare import ComparePanel
 from ao2viz.ui.panels.control import ControlPanel
 from ao2viz.ui.panels.forest import ForestPanel
 from ao2viz.ui.panels.inspect import InspectPanel
@@ -49,6 +50,8 @@ class Browser:
                 self._charts = ChartsPanel(gui, me, inbox)
             with stage.what_if:
                 self._what_if = WhatIfPanel(gui, me, inbox)
+            with stage.compare:
+                self._compare = ComparePanel(gui, me, inbox)
             self._legend = LegendPanel(gui, me, inbox)
         self._supposing = Supposing()
         self.jobs = Jobs()
@@ -63,6 +66,7 @@ class Browser:
         self._watch.sync(view, frame, problem, ahead)
         answer = self._supposing.ask(view, thinker)
         self._what_if.sync(view, answer, self.jobs)
+        self._compare.sync(view, thinker, frames, self.jobs)
         self._control.sync(view)
         self._inspect.sync(view, thinker)
         self._forest.sync(view)

@@ -43,6 +43,8 @@ class Task(Enum):
     """What may take long; of each kind a browser has one at a time."""
 
     NEAREST = "search for the nearest flip"
+    BESIDE = "comparison"
+    DUEL = "episodes from the same seed"
 
 
 class Way(Enum):
@@ -189,6 +191,32 @@ class StopSupposing:
 @dataclass(frozen=True)
 class FindNearest:
     """Searches for the least change of all features together that changes the action."""
+
+
+@dataclass(frozen=True)
+class ChooseOther:
+    """Puts another saved agent beside the one that is watched; None: no other."""
+
+    path: Path | None
+
+
+@dataclass(frozen=True)
+class ChooseDuelSeed:
+    """From which seed both agents are to play."""
+
+    seed: int
+
+
+@dataclass(frozen=True)
+class Fight:
+    """Lets both agents play from the same seeds."""
+
+
+@dataclass(frozen=True)
+class SeekDuel:
+    """Shows a step of the two episodes from the same seed."""
+
+    step: int
 
 
 @dataclass(frozen=True)
@@ -346,6 +374,10 @@ Command = (
     | SupposeState
     | StopSupposing
     | FindNearest
+    | ChooseOther
+    | ChooseDuelSeed
+    | Fight
+    | SeekDuel
     | CallOff
     | Fit
     | FocusPath

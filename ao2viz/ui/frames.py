@@ -108,3 +108,8 @@ def _draw_reel(reel: _Reel, spec: TaskSpec) -> None:
             reel.frames.append(encode(pixels))
     except Exception as error:  # Whatever a stranger's environment raises is shown in words.
         reel.problem = f"No picture: {error}"
+
+
+BLANK = np.full((280, 420, 3), _PANEL.astype(np.uint8), np.uint8)
+"""Stands where a picture will be; as big as most, so that nothing jumps."""
+BLANK_JPEG = encode(BLANK)

@@ -5,7 +5,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
 from ao2viz.store.errors import AgentFileError
-from ao2viz.store.files import SUFFIX, read
+from ao2viz.store.files import SUFFIX, read, summary
 from ao2viz.store.saved import SavedAgent
 from ao2viz.ui.world import LoadFailure, ShelfItem
 
@@ -28,6 +28,7 @@ class Library:
         self._opening: dict[Path, Future[SavedAgent]] = {}
         self._opened: dict[Path, SavedAgent | LoadFailure] = {}
         self._stamps: dict[Path, Stamp] = {}  # Of the opened files, when reading began.
+        self._env_ids: dict[Path, tuple[Stamp, str]] = {}
         self._thread = ThreadPoolExecutor(1, "library")
 
     @property
@@ -49,7 +50,18 @@ class Library:
             while label in labels:
                 label, number = f"{path.stem} ({number})", number + 1
             labels[label] = path
-        return tuple(ShelfItem(path, label) for label, path in labels.items())
+        return tuple(ShelfItem(path, label, self._env_id(path)) for label, path in labels.items())
+
+    def _env_id(self, path: Path) -> str:
+        """The task of a file, read anew only when the file has changed."""
+        stamp, known = _stamp(path), self._env_ids.get(path)
+        if known is None or known[0] != stamp:
+            try:
+                known = stamp, summary(path).env_id
+            except (AgentFileError, OSError):
+                known = stamp, ""
+            self._env_ids[path] = known
+        return known[1]
 
     def open(self, path: Path) -> None:
         """Begins to read a file unless it is open already."""

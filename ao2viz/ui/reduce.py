@@ -27,7 +27,9 @@ from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.commands import (
     CallOff,
     ChooseDecideBy,
+    ChooseDuelSeed,
     ChooseEpisode,
+    ChooseOther,
     ChooseOver,
     ChooseSmoothing,
     ChooseSource,
@@ -36,12 +38,14 @@ from ao2viz.ui.commands import (
     Download,
     Edit,
     Field,
+    Fight,
     FindNearest,
     Move,
     Pick,
     Press,
     RunButton,
     Seek,
+    SeekDuel,
     SetPlaySpeed,
     SetTrainingSpeed,
     ShowAhead,
@@ -51,6 +55,7 @@ from ao2viz.ui.commands import (
     SupposeState,
     Transport,
 )
+from ao2viz.ui.comparing import compare
 from ao2viz.ui.downloads import Notify, SaveFile, make_table
 from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
 from ao2viz.ui.jobs import Begin
@@ -116,6 +121,8 @@ def reduce(session: Session, command: Command, world: World) -> Result:
             return replace(session, shows_ahead=wanted), ()
         case Suppose() | SupposeState() | StopSupposing() | FindNearest():
             return suppose(session, command, world)
+        case ChooseOther() | ChooseDuelSeed() | Fight() | SeekDuel():
+            return compare(session, command, world)
         case CallOff():
             return session, (command,)
         case Download(table):

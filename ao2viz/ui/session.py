@@ -58,6 +58,9 @@ class Session:
     trail: tuple[Place, ...] = ()  # What was inspected, as a browser's history.
     trail_at: int = -1  # Where in it we are.
     supposition: Supposition | None = None
+    other: Path | None = None  # The agent file that is compared with what is watched.
+    duel_seed: int = 1
+    duel_step: int = 0
     shows_ahead: bool = True  # Where the agent expects to go is drawn.
     look: Look = field(default_factory=Look)
     charts: ChartLook = field(default_factory=ChartLook)

@@ -14,6 +14,7 @@ class ShelfItem:
 
     path: Path
     label: str  # Unique on the shelf.
+    env_id: str = ""  # Of its task; empty if it cannot be read.
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,11 @@ class Links:
         commands = list(self._links.values())
         return commands[place] if place < len(commands) else None
 
-    def sync(self, links: Sequence[tuple[str, Command]]) -> None:
-        """Shows these, the first ones as buttons; equal words are told apart by a number."""
+    def sync(self, links: Sequence[tuple[str, Command]], total: int | None = None) -> None:
+        """Shows these, the first ones as buttons; equal words are told apart by a number.
+
+        `total` is told where there are more than these.
+        """
         self._links = {}
         for words, command in links:
             name, number = words, 2
@@ -44,7 +47,9 @@ class Links:
             self._links[name] = command
         names = list(self._links)
         self._heading.visible = bool(names)
-        self._heading.content = f'<div class="ao"><h4>{self._title} ({len(names):,})</h4></div>'
+        self._heading.content = (
+            f'<div class="ao"><h4>{self._title} ({total or len(names):,})</h4></div>'
+        )
         for place, button in enumerate(self._buttons):
             button.visible = place < len(names)
             if button.visible:

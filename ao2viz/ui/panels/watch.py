@@ -3,7 +3,6 @@
 import time
 from collections.abc import Callable
 
-import numpy as np
 import viser
 from viser._messages import HotkeyKey
 
@@ -17,7 +16,7 @@ from ao2viz.ui.commands import (
     SetPlaySpeed,
     Transport,
 )
-from ao2viz.ui.frames import encode
+from ao2viz.ui.frames import BLANK, BLANK_JPEG
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.view import View
@@ -32,8 +31,6 @@ _BUTTONS: tuple[tuple[Transport, str, viser.IconName, HotkeyKey], ...] = (
     (Transport.LAST, "Last step", viser.Icon.PLAYER_SKIP_FORWARD, "E"),
 )
 _NO_EPISODE: str = "none recorded"
-_BLANK = np.full((280, 420, 3), (26, 29, 36), np.uint8)  # As big as most pictures: no jump.
-_BLANK_JPEG = encode(_BLANK)
 _SETTLED_S = 0.5  # After so long without a change the slider is sent once more.
 
 
@@ -58,7 +55,7 @@ class WatchPanel:
         on_change(self._source, self._to_source, client_id, inbox)
         self._episode = gui.add_dropdown("Episode", [_NO_EPISODE])
         on_change(self._episode, self._to_episode, client_id, inbox)
-        self._image = gui.add_image(_BLANK, format="jpeg")
+        self._image = gui.add_image(BLANK, format="jpeg")
         gui.add_html(html.row(6))
         self._buttons: dict[Transport, viser.GuiButtonHandle] = {}
         self._keys: list[viser.CommandHandle] = []
@@ -102,7 +99,7 @@ class WatchPanel:
         if frame is not None:
             self._image._data = frame
         elif pictured != self._pictured:
-            self._image._data = _BLANK_JPEG
+            self._image._data = BLANK_JPEG
         self._pictured = pictured
         self._sync_words(view, problem)
         if ahead is not self._told_ahead:
