@@ -7,6 +7,8 @@ import pytest
 
 import ao2viz
 from ao2viz import AO2, DecideBy, GrowthKind, Preset
+from ao2viz.core.config import AnticipatingConfig
+from ao2viz.envs.catalogue import CATALOGUE
 from ao2viz.training.loop import FIRST_EVALUATION_SEED, evaluation_seed
 from tests import toy_envs
 
@@ -254,8 +256,14 @@ def test_recorded_episodes_are_greedy_and_explain_each_step():
     assert episode.terminated != episode.truncated
 
 
-def test_catalogued_settings_come_first_and_overrides_win():
-    assert AO2("CartPole-v1").config.attention_width == 5.0
+@pytest.mark.parametrize("env_id", [name for name in CATALOGUE if name != "LunarLander-v3"])
+def test_one_setting_serves_all_tasks_but_for_the_levels_that_follow_from_the_features(env_id):
+    agent = AO2(env_id)
+    levels = {2: 5, 3: 4, 4: 3, 6: 2}[agent.spec.n_features]
+    assert agent.config == AnticipatingConfig(levels=levels)
+
+
+def test_settings_of_the_paper_come_first_and_overrides_win():
     assert AO2("CartPole-v1", attention_width=3.0, levels=2).config.attention_width == 3.0
     assert AO2("Pendulum-v1", "paper").config.trace_length == 18
     assert AO2("Pendulum-v1", action_bins=7).spec.n_actions == 7

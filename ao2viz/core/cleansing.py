@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ao2viz.core.columns import Columns, distance
 from ao2viz.core.compiled import compiled
 from ao2viz.core.decision import NO_OPTION
-from ao2viz.core.experience import KNOWN_WITHIN, merge
+from ao2viz.core.experience import known_within, merge
 from ao2viz.core.forest import Forest
 from ao2viz.core.growth import GrowthEvent
 from ao2viz.core.imagination import Rules
@@ -20,10 +20,6 @@ from ao2viz.core.inference import count_speakers, look_around
 from ao2viz.core.local_linear import Workspace
 from ao2viz.core.memory import Memory
 from ao2viz.core.search import ANY_ACTION, find_nearest
-
-# An heir, or who last knows of an action, may be this many radii away. Half of `KNOWN_WITHIN`, so
-# that what is known through an option within it is still known through its heir.
-_KEEP_NEAR = KNOWN_WITHIN / 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,10 +68,13 @@ def plan_cleansing(
     slack = tolerance * float(columns.weights[alive].max(axis=1).std()) if len(alive) else 0.0
     is_kept = np.zeros(n_rows, np.bool_)
     heirs = np.full(n_rows, NO_OPTION, np.int64)
-    near = _KEEP_NEAR * rules.radius
+    known = known_within(rules.radius, forest.n_features)
+    # An heir, or who last knows of an action, may be half as far away, so that what is known
+    # through an option that goes is still known through its heir.
+    near = known / 2
     # An index to take options out of: that of the forest stays as it is.
     thinned = columns._replace(places=with_room(make_index(places, alive)))
-    _keep_witnesses(thinned, alive, near, KNOWN_WITHIN * rules.radius, work, is_kept)
+    _keep_witnesses(thinned, alive, near, known, work, is_kept)
     _choose(
         thinned,
         alive,

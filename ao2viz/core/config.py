@@ -50,7 +50,7 @@ class AnticipatingConfig:
     slip: float = 0.05  # Chance of a random action that every value reckons with.
     imagine_limit: int = 20  # The most repetitions of an action while imagining.
     trace_length: int = 20  # Latest options whose weights are renewed after each step.
-    refreshes: int = 8  # Imaginations renewed elsewhere after each step.
+    refreshes: int = 2  # Imaginations renewed elsewhere after each step.
     backups: int = 200  # Options whose weights are renewed elsewhere after each step.
     story_length: int = 0  # Steps of real traces kept beside imagination; 0: none.
     sleep_sweeps: int = 300  # The most sweeps over all options when `learn` ends.

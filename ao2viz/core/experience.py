@@ -11,8 +11,12 @@ from ao2viz.core.law import Law, add_displacement, allocate_law, choose_terms, f
 from ao2viz.core.local_linear import Workspace, sharp_closeness, solve_local_linear
 from ao2viz.core.search import find_nearest, kernel_width
 
-# A prediction needs an option that tried the action within this many radii.
-KNOWN_WITHIN = 4.0
+# A prediction needs an option that tried the action no further away than this on the average of
+# the features (half a standard deviation, where attention is 4 of them wide) ...
+_KNOWN_GAP = 0.125
+# ... but not within fewer radii than the first, for an option knows its surroundings, nor within
+# more than the second: else what was never seen is taken for known before it is looked at.
+_KNOWN_RADII = (2.0, 4.0)
 
 
 class Experience(NamedTuple):
@@ -146,6 +150,16 @@ def merge(columns: Columns, experience: Experience, option: int, heir: int, cap:
 
 
 @compiled
+def known_within(radius: float, n_features: int) -> float:
+    """How near an option must have tried an action for what follows it to be known.
+
+    `radius` is that of the finest option.
+    """
+    least, most = _KNOWN_RADII
+    return min(max(_KNOWN_GAP * n_features, least * radius), most * radius)
+
+
+@compiled
 def predict(
     columns: Columns,
     experience: Experience,
@@ -162,7 +176,7 @@ def predict(
     how it differed from the law around here. Returns how many options it rests on, the first so
     many of the work space; 0 if none of them is close enough to know.
     """
-    reach = KNOWN_WITHIN * radius
+    reach = known_within(radius, state.shape[0])
     count = find_nearest(
         columns.places,
         columns.visits,

@@ -1,10 +1,8 @@
-"""The environments we know by name: features, units, ranges, actions and proven settings."""
+"""The environments we know by name: features, units, ranges, actions, the paper's settings."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any
-
-from ao2viz.core.config import Preset
 
 
 @dataclass(frozen=True)
@@ -25,7 +23,7 @@ class Entry:
     title: str
     features: tuple[Feature, ...] = ()
     actions: tuple[str, ...] = ()
-    settings: Mapping[Preset, Mapping[str, Any]] = field(default_factory=dict)
+    paper_settings: Mapping[str, Any] = field(default_factory=dict)  # Of the `paper` preset.
     paper_score: float | None = None  # Average of AO2 in the paper's Table II.
     solved_at: float | None = None  # The return at which people call it solved.
 
@@ -39,15 +37,12 @@ _CARTPOLE_FEATURES = (
     Feature("pole angle", "°", _DEGREES, range=0.4189),
     Feature("pole angular velocity", "°/s", _DEGREES, range=4.0),
 )
-_CARTPOLE_SETTINGS: Mapping[Preset, Mapping[str, Any]] = {
-    Preset.ANTICIPATING: {"attention_width": 5.0},
-    Preset.PAPER: {
-        "threshold": 0.9,
-        "trace_length": 5,
-        "gamma": 0.95,
-        "credit": "accumulate",
-        "failure_only": True,
-    },
+_PAPER_CARTPOLE: Mapping[str, Any] = {
+    "threshold": 0.9,
+    "trace_length": 5,
+    "gamma": 0.95,
+    "credit": "accumulate",
+    "failure_only": True,
 }
 # The paper's for Acrobot, and for tasks that it does not have, where nothing was chosen.
 _PAPER_ACROBOT: Mapping[str, Any] = {
@@ -65,7 +60,7 @@ CATALOGUE: Mapping[str, Entry] = {
             "Cart pole, 200 steps",
             _CARTPOLE_FEATURES,
             ("push left", "push right"),
-            _CARTPOLE_SETTINGS,
+            _PAPER_CARTPOLE,
             paper_score=194.0,
             solved_at=195.0,
         ),
@@ -74,7 +69,7 @@ CATALOGUE: Mapping[str, Entry] = {
             "Cart pole, 500 steps",
             _CARTPOLE_FEATURES,
             ("push left", "push right"),
-            _CARTPOLE_SETTINGS,
+            _PAPER_CARTPOLE,
             solved_at=475.0,
         ),
         Entry(
@@ -87,12 +82,10 @@ CATALOGUE: Mapping[str, Entry] = {
             ),
             (),
             {
-                Preset.PAPER: {
-                    "threshold": 0.99,
-                    "trace_length": 18,
-                    "gamma": 0.99,
-                    "credit": "return",
-                },
+                "threshold": 0.99,
+                "trace_length": 18,
+                "gamma": 0.99,
+                "credit": "return",
             },
             paper_score=-196.6,
         ),
@@ -108,10 +101,7 @@ CATALOGUE: Mapping[str, Entry] = {
                 Feature("lower angular velocity", "°/s", _DEGREES, range=16.0),
             ),
             ("torque −1", "no torque", "torque +1"),
-            {
-                Preset.ANTICIPATING: {"levels": 3},
-                Preset.PAPER: _PAPER_ACROBOT,
-            },
+            _PAPER_ACROBOT,
             paper_score=-89.5,
             solved_at=-100.0,
         ),
@@ -120,9 +110,7 @@ CATALOGUE: Mapping[str, Entry] = {
             "Mountain car",
             (Feature("position"), Feature("velocity", "per step")),
             ("push left", "no push", "push right"),
-            {
-                Preset.PAPER: _PAPER_ACROBOT,
-            },
+            _PAPER_ACROBOT,
             solved_at=-110.0,
         ),
         Entry(
@@ -140,7 +128,7 @@ CATALOGUE: Mapping[str, Entry] = {
                 Feature("right leg on the ground"),
             ),
             ("no engine", "left engine", "main engine", "right engine"),
-            {Preset.PAPER: _PAPER_ACROBOT},
+            _PAPER_ACROBOT,
             solved_at=200.0,
         ),
     )

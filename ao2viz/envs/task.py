@@ -139,11 +139,10 @@ def describe(env: gym.Env, action_bins: int | None = None) -> TaskSpec:
 
 
 def settings_for(spec: TaskSpec, preset: Preset) -> dict[str, Any]:
-    """The settings that follow from the task, and those proven for a catalogued one."""
-    found: dict[str, Any] = {}
-    if preset is Preset.ANTICIPATING:
-        found["levels"] = find_levels(spec.n_features)
-    return found | dict(spec.entry.settings.get(preset, {}))
+    """The settings that follow from the task; of `paper` the paper's own, where we know them."""
+    if preset is Preset.PAPER:
+        return dict(spec.entry.paper_settings)
+    return {"levels": find_levels(spec.n_features)}
 
 
 def find_levels(n_features: int) -> int:

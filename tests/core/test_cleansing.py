@@ -9,6 +9,7 @@ from ao2viz import AO2, GrowthKind, Preset
 from ao2viz.core.cleansing import apply_cleansing, plan_cleansing
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION, DecideBy
+from ao2viz.core.experience import known_within
 from ao2viz.core.forest import Forest
 from ao2viz.core.imagination import rules_of
 from ao2viz.core.inference import Reading, decide
@@ -16,10 +17,9 @@ from ao2viz.core.local_linear import make_workspace
 from ao2viz.core.memory import Memory, allocate_memory, memory_to_arrays
 from ao2viz.resources import saved_schemas
 
-CONFIG = AnticipatingConfig(levels=2)
+CONFIG = AnticipatingConfig(levels=5)
 RULES = rules_of(CONFIG)
 READING = Reading(DecideBy.PATH, CONFIG.share_ridge, has_outlook=True)
-KNOWN_WITHIN = 4.0 * RULES.radius
 
 
 def grown(values, weights, visits, parents=None) -> Memory:
@@ -40,13 +40,13 @@ def random_memory(seed: int, n: int, roughness: float) -> Memory:
     rng = np.random.default_rng(seed)
     values = []
     while len(values) < n:
-        place = rng.uniform(-1.5, 1.5, 2)
+        place = 6 * RULES.radius * rng.uniform(-1, 1, 2)
         if all(np.abs(place - other).sum() > RULES.radius for other in values):
             values.append(place)
         elif rng.random() < 0.02:
             break
     values = np.array(values)
-    weights = np.stack([values[:, 0], values[:, 1] ** 2, values.sum(axis=1) - 0.5], axis=1)
+    weights = np.stack([values[:, 0], 8 * values[:, 1] ** 2, values.sum(axis=1) - 0.1], axis=1)
     weights += roughness * rng.normal(size=weights.shape)
     visits = rng.integers(0, 3, weights.shape) * (rng.random(weights.shape) < 0.6)
     parents = [rng.integers(-1, n) if n else NO_OPTION for n in range(len(values))]
@@ -63,7 +63,7 @@ def what_is_known(forest: Forest, values: np.ndarray) -> np.ndarray:
     view = forest.view()
     known = np.zeros((len(values), forest.n_actions), np.bool_)
     for n, value in enumerate(values):
-        near = view.distances_to(value) <= KNOWN_WITHIN
+        near = view.distances_to(value) <= known_within(RULES.radius, forest.n_features)
         known[n] = view.visits[near].any(axis=0)
     return known
 

@@ -6,6 +6,7 @@ import dataclasses
 import numpy as np
 import pytest
 
+from ao2viz import AO2
 from ao2viz.core.agent import make_learner
 from ao2viz.core.attention import attention_from
 from ao2viz.core.config import Preset, make_config
@@ -327,12 +328,15 @@ def test_a_slip_makes_a_place_worth_less_the_more_it_could_cost():
 
 
 def test_attention_follows_what_the_choice_depends_on_and_not_only_the_spread():
-    spread = grown(Preset.ANTICIPATING, 3000, attention_relevance=0.0)
-    chosen = grown(Preset.ANTICIPATING, 3000)
+    spread, chosen = (
+        AO2("CartPole-v1", seed=0, attention_relevance=share).learn(3000)._learner
+        for share in (0.0, 1.0)
+    )
     chosen._forest.check_invariants()
     by_spread = attention_from(spread._grown_at, spread.config.attention_width)
     by_choice = attention_from(chosen._grown_at, chosen.config.attention_width)
     np.testing.assert_allclose(spread.view().attention, by_spread)
     relevance = chosen.view().attention / by_choice
-    assert (np.abs(np.log(relevance)) > np.log(1.05)).any()
+    assert relevance[2] > 1.5  # The pole's angle.
+    assert relevance[0] < 0.9  # Where the cart is.
     np.testing.assert_allclose(np.log(relevance).mean(), 0.0, atol=1e-9)
