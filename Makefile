@@ -37,14 +37,14 @@ format: $(VENV)/.dev ## Format the code and mend what the linter can.
 	@$(BIN)/ruff check --fix .
 
 schemas: $(VENV)/.app ## Make the trained agents that ship with the app anew.
-	$(call schema,CartPole-v1,20000,0)
-	$(call schema,Pendulum-v1,10000,0)
-	$(call schema,Acrobot-v1,20000,0)
-	$(call schema,MountainCar-v0,20000,0)
+	$(call schema,CartPole-v1,20000,0,--set refreshes=8 --set attention_width=5)
+	$(call schema,Pendulum-v1,10000,0,--set refreshes=8)
+	$(call schema,Acrobot-v1,20000,0,--set refreshes=8 --set levels=3)
+	$(call schema,MountainCar-v0,20000,0,--set refreshes=8)
 
-# Environment, steps, seed: train one agent and record two episodes into its file.
+# Environment, steps, seed, settings: train one agent and record two episodes into its file.
 define schema
-	$(BIN)/ao2viz train $(1) --steps $(2) --seed $(3) --out saved_schemas/$(1).ao2 --overwrite
+	$(BIN)/ao2viz train $(1) --steps $(2) --seed $(3) $(4) --out saved_schemas/$(1).ao2 --overwrite
 	$(BIN)/ao2viz record saved_schemas/$(1).ao2 --episodes 2
 endef
 

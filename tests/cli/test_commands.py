@@ -166,7 +166,7 @@ def test_info_says_what_the_file_holds(cli: Cli, agent_file: Path) -> None:
     assert result["steps"] == 1500
     assert result["options"] == len(agent.forest)
     assert result["depth"] == agent.forest.depths.max() + 1
-    assert result["settings"]["attention_width"] == 5.0
+    assert result["settings"]["attention_width"] == 4.0
     assert result["attention"] == agent.forest.attention.tolist()
     text = cli("info", str(agent_file)).stdout
     assert "Cart pole, 500 steps (CartPole-v1)" in text
