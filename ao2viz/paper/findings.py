@@ -36,6 +36,7 @@ MISSED = "▼"
 """Behind a figure of ours that is below the paper's."""
 
 _NONE = "–"
+_NOT_YET = "Not run yet."
 _MAIN = (DecideBy.PATH, Acting.GREEDY)
 _PHASES = 3
 _LIBRARIES = ("ao2viz", "gymnasium", "numba", "numpy", "torch", "stable-baselines3", "sb3-contrib")
@@ -84,8 +85,8 @@ def _about(
         Paragraph(command, is_code=True),
         Paragraph(
             f"{len(whole)} of {len(tasks)} runs are done; what is missing is missing below as well."
-            f" Measured with {made_by}, {dates}, seeds {seeds[0]} to {seeds[-1]}, which no setting "
-            f"was chosen by. This report was written with Python {platform.python_version()}, "
+            f" Measured with {made_by}, {dates}, seeds from {seeds[0]} on, which no setting was "
+            f"chosen by. This report was written with Python {platform.python_version()}, "
             f"{versions}."
         ),
         Paragraph(
@@ -185,7 +186,7 @@ def _training(main: Sequence[Evaluation]) -> list[Part]:
     points = [training_points(rows) for _, rows in sorted(by_seed.items())]
     length = min((len(steps) for steps, _ in points), default=0)
     if length < _PHASES:
-        return [Paragraph("Not run yet.")]
+        return [Paragraph(_NOT_YET)]
     points = [(steps[:length], returns[:length]) for steps, returns in points]
     steps = points[0][0]
     phases = find_phases(np.mean([returns for _, returns in points], axis=0), _PHASES)
@@ -267,6 +268,8 @@ def _sizes(main: Sequence[Evaluation]) -> list[Part]:
                     [env, TITLES[preset], SIZES.get(env, _NONE), f"{mean:,.0f}",
                      f"{mean * each / 1024:,.0f} KB", f"{last:,}"]
                 )  # fmt: skip
+    if not cells:
+        return [Paragraph(_NOT_YET)]
     return [
         Paragraph(
             "The paper gives the sizes of two option sets in bytes and no number of options. Ours: "
@@ -303,6 +306,8 @@ def _every_seed(main: Sequence[Evaluation]) -> list[Part]:
                             f"{each.cpu_s:,.1f}",
                         ]
                     )
+    if not rows:
+        return [Paragraph(_NOT_YET)]
     return [
         Table(
             ["task", "learner", "seed", "steps", "by one path or greedy", "by vote or drawn",

@@ -251,6 +251,8 @@ def test_a_state_that_is_none_of_its_is_refused():
 @pytest.mark.parametrize("algorithm", OURS)
 def test_it_learns_to_balance(algorithm):
     steps = {Algorithm.PPO: 20_000, Algorithm.DAC_PPO: 20_000}.get(algorithm, 50_000)
-    agents = [baselines.make(algorithm, "CartPole-v0", seed) for seed in (70, 71)]
-    best = max(agent.learn(steps).evaluate(50).mean() for agent in agents)
-    assert best >= 150, "Random play earns about 22."
+    earned = (
+        baselines.make(algorithm, "CartPole-v0", seed).learn(steps).evaluate(50).mean()
+        for seed in (70, 71)
+    )
+    assert any(mean >= 150 for mean in earned), "Random play earns about 22."
