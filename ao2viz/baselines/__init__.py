@@ -24,6 +24,10 @@ if TYPE_CHECKING:  # PyTorch is imported by who asks for an agent.
 __all__ = ["Acting", "Algorithm", "load", "make"]
 
 
+_OURS = ("torch", "safetensors")
+"""What our own algorithms need; stable-baselines3 takes seconds to import."""
+
+
 def make(
     algorithm: Algorithm | str, env: str | gym.Env, seed: int = 0, **overrides: Any
 ) -> "Baseline":
@@ -41,7 +45,7 @@ def make(
             out of range.
     """
     chosen = to_algorithm(algorithm)
-    need("baselines")
+    _need_for(chosen)
     from ao2viz.baselines.making import Maker  # noqa: PLC0415
 
     if not chosen.is_reference:
@@ -69,15 +73,21 @@ def load(path: str | os.PathLike[str], env: str | gym.Env | None = None) -> "Bas
         AgentFileError: If the file is none, broken, or from a newer ao2viz.
         ValueError: If PyTorch is missing, or `env` does not fit.
     """
-    need("baselines")
-    from ao2viz.baselines.agent import OptionAgent  # noqa: PLC0415  Optional.
-    from ao2viz.baselines.files import read  # noqa: PLC0415
+    need("baselines", _OURS)
+    from ao2viz.baselines.files import read  # noqa: PLC0415  Optional.
     from ao2viz.baselines.making import Maker  # noqa: PLC0415
 
     saved = read(path)
+    _need_for(saved.algorithm)
     make = Maker(env or saved.spec.env_id, saved.spec)
     if not saved.algorithm.is_reference:
+        from ao2viz.baselines.agent import OptionAgent  # noqa: PLC0415  Optional.
+
         return OptionAgent.from_saved(saved, make)
     from ao2viz.baselines.references import Reference  # noqa: PLC0415  Optional.
 
     return Reference.from_saved(saved, make)
+
+
+def _need_for(algorithm: Algorithm) -> None:
+    need("baselines", None if algorithm.is_reference else _OURS)

@@ -127,8 +127,6 @@ def paper(
 ) -> int:
     """Run the paper's experiments, AO2 beside PPO, PPOC and DAC, and write the report."""
     need("experiments")
-    if not report_only:
-        need("baselines")
     from ao2viz.cli.paper import run  # noqa: PLC0415 -- heavy.
 
     return run(

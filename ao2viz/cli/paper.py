@@ -4,6 +4,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
+from ao2viz.baselines.algorithm import Algorithm
 from ao2viz.cli.console import say, say_aside, show_json
 from ao2viz.cli.files import check_folder, write_text
 from ao2viz.cli.running import Sweep
@@ -11,6 +12,7 @@ from ao2viz.experiments.clusters import Cluster
 from ao2viz.experiments.provenance import provenance
 from ao2viz.experiments.sweep import missing
 from ao2viz.experiments.table import opened
+from ao2viz.extras import need
 from ao2viz.paper.document import pictures_of, to_markdown, to_page
 from ao2viz.paper.findings import TITLE, report
 from ao2viz.paper.plan import FULL, QUICK, make_tasks, only, seconds
@@ -44,6 +46,8 @@ def run(
     with opened(out / TABLE) as table:
         wanted = [] if report_only else chosen
         left = [task for task in wanted if missing(table, [task.run], task.schedule)]
+        if any(isinstance(task.run.preset, Algorithm) for task in left):
+            need("baselines")  # Now, and not after hours with AO2.
         others = sorted({str(other) for other in table.made_by} - {str(provenance())})
         if left and others:
             say_aside(f"{table.path} also holds runs of {', '.join(others)}.")
