@@ -120,7 +120,7 @@ def _task(env: str, main: Sequence[Evaluation], tasks: Sequence[Task]) -> list[P
             [
                 "learner", "paper: best", "ours: best", "paper: average", "ours: average",
                 "IQM [95 %]", "vote or drawn", "seeds", "steps", "size", "CPU s",
-                f"steps to {number(AO2_SCORE[env])}, the paper's AO2",
+                f"steps to {number(AO2_SCORE[env])}, the paper's AO2 (seeds)",
             ],
             [
                 _cells(learner, env, along.get(learner, []), tasks)
@@ -173,9 +173,9 @@ def _reached(along: Sequence[Summary], score: float) -> str:
             if each.mean_return >= score:
                 firsts.setdefault(each.run.seed, one.steps)
     if not firsts:
-        return f"not reached ({len(seeds)} seeds)"
+        return f"none (0 of {len(seeds)})"
     middle = int(np.median(list(firsts.values())))
-    return f"{middle:,} ({len(firsts)} of {len(seeds)} seeds)"
+    return f"{middle:,} ({len(firsts)} of {len(seeds)})"
 
 
 def _training(main: Sequence[Evaluation]) -> list[Part]:

@@ -79,10 +79,10 @@ def test_a_cell_holds_the_papers_figure_and_ours_and_marks_what_misses(markdown)
     assert iqm.startswith("−215.0 [−250.0, −180.0]")
     assert (other, seeds) == ("−216.0", "2 of 2")
     assert rest[0] == f"{TASKS[1].schedule.checkpoints[-1]:,}"
-    assert rest[-1].endswith("(1 of 2 seeds)"), "Only one seed reached −196.6."
+    assert rest[-1].endswith("(1 of 2)"), "Only one seed reached −196.6."
     ((_, best, ours, average, mean, *_, there),) = lines(markdown, "CartPole-v0", "PPO")
     assert (best, ours, average, mean) == ("196.8", "199.0", "191.5", "199.0")
-    assert there.endswith("(1 of 1 seeds)")
+    assert there.endswith("(1 of 1)")
 
 
 def test_what_was_not_run_is_shown_as_not_run(markdown):
