@@ -33,6 +33,14 @@ class Format(Enum):
     TENSORBOARD = "tensorboard"
 
 
+class Scope(Enum):
+    """How much of an agent is exported; the values are what people read."""
+
+    AGENT = "the whole agent"
+    EPISODE = "this episode"
+    MOMENT = "this moment"
+
+
 @dataclass(frozen=True)
 class About:
     """What people must know of a format."""
@@ -72,3 +80,36 @@ ABOUT: Mapping[Format, About] = {
     Format.MINARI: About("", "recorded episodes as a data set", ("minari", "pyarrow")),
     Format.TENSORBOARD: About("", "training and episodes as scalars", ("tensorboardX",)),
 }
+
+PURPOSES: Mapping[str, tuple[Format, ...]] = {
+    "to read and to share": (Format.HTML, Format.MARKDOWN, Format.LATEX, Format.REPLAY),
+    "pictures and films": (
+        Format.SVG,
+        Format.PNG,
+        Format.PATH_SVG,
+        Format.PATH_PNG,
+        Format.MP4,
+        Format.GIF,
+    ),
+    "tables and programs": (Format.CSV, Format.PATHS_CSV, Format.PARQUET, Format.JSON),
+    "graphs": (Format.GRAPHML, Format.GEXF, Format.DOT, Format.CYTOSCAPE, Format.NODE_LINK),
+    "the policy": (Format.POLICY, Format.RULES),
+    "learning tools": (Format.MINARI, Format.TENSORBOARD),
+}
+"""Every format once, by what people want it for."""
+
+_OF_THE_AGENT = {*PURPOSES["graphs"], *PURPOSES["the policy"]}
+_OF_ONE_EPISODE = {Format.HTML, Format.LATEX, Format.REPLAY, Format.MP4, Format.GIF}
+
+
+def scopes_of(format: Format) -> tuple[Scope, ...]:
+    """What a format can be about, the usual one first."""
+    if format in _OF_THE_AGENT:
+        return (Scope.AGENT,)
+    if format in _OF_ONE_EPISODE:
+        return (Scope.EPISODE,)
+    if format in {Format.PATH_SVG, Format.PATH_PNG}:
+        return (Scope.MOMENT,)
+    if format in {Format.SVG, Format.PNG}:
+        return (Scope.AGENT, Scope.MOMENT)
+    return (Scope.EPISODE, Scope.AGENT)

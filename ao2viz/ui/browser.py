@@ -15,6 +15,7 @@ from ao2viz.ui.overlay import Moment, Overlay, overlay
 from ao2viz.ui.panels.charts import ChartsPanel
 from ao2viz.ui.panels.compare import ComparePanel
 from ao2viz.ui.panels.control import ControlPanel
+from ao2viz.ui.panels.export import ExportPanel
 from ao2viz.ui.panels.forest import ForestPanel
 from ao2viz.ui.panels.inspect import InspectPanel
 from ao2viz.ui.panels.legend import LegendPanel
@@ -52,6 +53,8 @@ class Browser:
                 self._what_if = WhatIfPanel(gui, me, inbox)
             with stage.compare:
                 self._compare = ComparePanel(gui, me, inbox)
+            with stage.export:
+                self._export = ExportPanel(gui, me, inbox)
             self._legend = LegendPanel(gui, me, inbox)
         self._supposing = Supposing()
         self.jobs = Jobs()
@@ -67,6 +70,9 @@ class Browser:
         answer = self._supposing.ask(view, thinker)
         self._what_if.sync(view, answer, self.jobs)
         self._compare.sync(view, thinker, frames, self.jobs)
+        file = self._export.sync(view, self.jobs)
+        if file is not None:
+            self.hand_over(file)
         self._control.sync(view)
         self._inspect.sync(view, thinker)
         self._forest.sync(view)

@@ -5,6 +5,7 @@ from enum import Enum
 from pathlib import Path
 
 from ao2viz.core.decision import DecideBy
+from ao2viz.exports.formats import Format, Scope
 from ao2viz.figures.charts import Over
 from ao2viz.figures.coloring import Coloring
 from ao2viz.ui.look import Arrangement
@@ -45,6 +46,7 @@ class Task(Enum):
     NEAREST = "search for the nearest flip"
     BESIDE = "comparison"
     DUEL = "episodes from the same seed"
+    EXPORT = "export"
 
 
 class Way(Enum):
@@ -220,6 +222,25 @@ class SeekDuel:
 
 
 @dataclass(frozen=True)
+class ChooseFormat:
+    """As what to export."""
+
+    format: Format
+
+
+@dataclass(frozen=True)
+class ChooseScope:
+    """How much to export."""
+
+    scope: Scope
+
+
+@dataclass(frozen=True)
+class Export:
+    """Writes what was chosen, for the browser to save."""
+
+
+@dataclass(frozen=True)
 class CallOff:
     """Ends long work; what it has come to stays."""
 
@@ -378,6 +399,9 @@ Command = (
     | ChooseDuelSeed
     | Fight
     | SeekDuel
+    | ChooseFormat
+    | ChooseScope
+    | Export
     | CallOff
     | Fit
     | FocusPath

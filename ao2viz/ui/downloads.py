@@ -68,10 +68,10 @@ def make_table(table: Table, session: Session, world: World) -> SaveFile | Notif
             name = f"option-{session.selected}"
         case _:
             assert_never(table)
-    return SaveFile(f"{_stem(session, world)}-{name}.csv", stream.getvalue())
+    return SaveFile(f"{stem_of(session, world)}-{name}.csv", stream.getvalue())
 
 
-def _stem(session: Session, world: World) -> str:
+def stem_of(session: Session, world: World) -> str:
     """Letters, digits, dots and dashes only: it comes from a file, or from an environment's id."""
     agent, spec = agent_of(session, world), spec_of(session, world)
     if agent is not None and session.source is not None:

@@ -29,14 +29,17 @@ from ao2viz.ui.commands import (
     ChooseDecideBy,
     ChooseDuelSeed,
     ChooseEpisode,
+    ChooseFormat,
     ChooseOther,
     ChooseOver,
+    ChooseScope,
     ChooseSmoothing,
     ChooseSource,
     Command,
     ConfirmOverwrite,
     Download,
     Edit,
+    Export,
     Field,
     Fight,
     FindNearest,
@@ -58,6 +61,7 @@ from ao2viz.ui.commands import (
 from ao2viz.ui.comparing import compare
 from ao2viz.ui.downloads import Notify, SaveFile, make_table
 from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
+from ao2viz.ui.exporting import take_away
 from ao2viz.ui.jobs import Begin
 from ao2viz.ui.session import OTHER_ENV, Form, Session
 from ao2viz.ui.watched import agent_of, decision_of, episode_of, forest_of, spec_of
@@ -123,6 +127,8 @@ def reduce(session: Session, command: Command, world: World) -> Result:
             return suppose(session, command, world)
         case ChooseOther() | ChooseDuelSeed() | Fight() | SeekDuel():
             return compare(session, command, world)
+        case ChooseFormat() | ChooseScope() | Export():
+            return take_away(session, command, world)
         case CallOff():
             return session, (command,)
         case Download(table):

@@ -5,6 +5,7 @@ from pathlib import Path
 
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
+from ao2viz.exports.formats import Format, Scope
 from ao2viz.ui.look import ChartLook, Look
 
 OTHER_ENV = "other …"
@@ -61,6 +62,8 @@ class Session:
     other: Path | None = None  # The agent file that is compared with what is watched.
     duel_seed: int = 1
     duel_step: int = 0
+    export: Format = Format.HTML
+    scope: Scope = Scope.EPISODE
     shows_ahead: bool = True  # Where the agent expects to go is drawn.
     look: Look = field(default_factory=Look)
     charts: ChartLook = field(default_factory=ChartLook)

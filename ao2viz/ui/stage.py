@@ -30,6 +30,7 @@ class Stage:
         self.charts = below.add_tab("Charts", viser.Icon.CHART_LINE)
         self.what_if = below.add_tab("What if", viser.Icon.ADJUSTMENTS_HORIZONTAL)
         self.compare = below.add_tab("Compare", viser.Icon.ARROWS_DIFF)
+        self.export = below.add_tab("Export", viser.Icon.DOWNLOAD)
         below.dock_below(gui.main_panel)
         below.set_width(_RIGHT_PX)
         prepare(server.scene)

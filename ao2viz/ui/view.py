@@ -17,6 +17,7 @@ from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.commands import RunButton, Table
 from ao2viz.ui.comparing import Other, other_of
 from ao2viz.ui.downloads import tables_of
+from ao2viz.ui.exporting import Export, export_of
 from ao2viz.ui.look import ChartLook, Look
 from ao2viz.ui.reduce import run_command
 from ao2viz.ui.session import Form, Session
@@ -68,6 +69,7 @@ class View:
     observation: NDArray[np.float64] | None  # What is seen at this moment.
     supposed: NDArray[np.float64] | None  # [D] what a person supposes instead; None: nothing.
     other: Other | None  # What is compared with what is watched.
+    export: Export
     seen: NDArray[np.float64] | None  # [T, D] the last few states, this moment's at the end.
     episode: Episode | None
     frame: bytes | None  # The run's own picture; None: take the episode's.
@@ -131,6 +133,7 @@ def project(session: Session, world: World) -> View:
         observation=observation,
         supposed=state_of(session.supposition, observation),
         other=other_of(session, world),
+        export=export_of(session, world),
         seen=seen,
         episode=episode,
         frame=update.frame if is_run and episode is None else None,
