@@ -19,13 +19,14 @@ from ao2viz.training.runner import ProcessRunner, Runner
 from ao2viz.training.states import RunStatus, Start
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.browser import Browser
-from ao2viz.ui.commands import CallOff, Connect, Disconnect, Select
+from ao2viz.ui.commands import Connect, Disconnect, Select
 from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.frames import FrameStore
 from ao2viz.ui.gallery import Gallery
 from ao2viz.ui.inbox import Inbox
 from ao2viz.ui.jobs import Begin
 from ao2viz.ui.library import Library
+from ao2viz.ui.questions import CallOff
 from ao2viz.ui.reduce import Effect, PickOption, advance, follow, reduce
 from ao2viz.ui.security import make_server, make_token
 from ao2viz.ui.session import Form, Session

@@ -5,10 +5,23 @@ from enum import Enum
 from pathlib import Path
 
 from ao2viz.core.decision import DecideBy
-from ao2viz.exports.formats import Format, Scope
 from ao2viz.figures.charts import Over
 from ao2viz.figures.coloring import Coloring
 from ao2viz.ui.look import Arrangement
+from ao2viz.ui.questions import (
+    CallOff,
+    ChooseDuelSeed,
+    ChooseFormat,
+    ChooseOther,
+    ChooseScope,
+    Export,
+    Fight,
+    FindNearest,
+    SeekDuel,
+    StopSupposing,
+    Suppose,
+    SupposeState,
+)
 
 
 class Transport(Enum):
@@ -38,15 +51,6 @@ class Table(Enum):
     TRAINING = "training episodes"
     EPISODE = "steps of this episode"
     OPTION = "weights of the selected option"
-
-
-class Task(Enum):
-    """What may take long; of each kind a browser has one at a time."""
-
-    NEAREST = "search for the nearest flip"
-    BESIDE = "comparison"
-    DUEL = "episodes from the same seed"
-    EXPORT = "export"
 
 
 class Way(Enum):
@@ -168,83 +172,6 @@ class FindState:
     """Selects the option nearest to a typed state: a number for each feature, as people read it."""
 
     text: str
-
-
-@dataclass(frozen=True)
-class Suppose:
-    """Supposes another value of one feature, in the environment's units."""
-
-    feature: int
-    value: float
-
-
-@dataclass(frozen=True)
-class SupposeState:
-    """Supposes another state: a value for each feature, in the environment's units."""
-
-    state: tuple[float, ...]
-
-
-@dataclass(frozen=True)
-class StopSupposing:
-    """Returns to what is seen at the moment that is watched."""
-
-
-@dataclass(frozen=True)
-class FindNearest:
-    """Searches for the least change of all features together that changes the action."""
-
-
-@dataclass(frozen=True)
-class ChooseOther:
-    """Puts another saved agent beside the one that is watched; None: no other."""
-
-    path: Path | None
-
-
-@dataclass(frozen=True)
-class ChooseDuelSeed:
-    """From which seed both agents are to play."""
-
-    seed: int
-
-
-@dataclass(frozen=True)
-class Fight:
-    """Lets both agents play from the same seeds."""
-
-
-@dataclass(frozen=True)
-class SeekDuel:
-    """Shows a step of the two episodes from the same seed."""
-
-    step: int
-
-
-@dataclass(frozen=True)
-class ChooseFormat:
-    """As what to export."""
-
-    format: Format
-
-
-@dataclass(frozen=True)
-class ChooseScope:
-    """How much to export."""
-
-    scope: Scope
-
-
-@dataclass(frozen=True)
-class Export:
-    """Writes what was chosen, for the browser to save."""
-
-
-@dataclass(frozen=True)
-class CallOff:
-    """Ends long work; what it has come to stays."""
-
-    task: Task
 
 
 @dataclass(frozen=True)

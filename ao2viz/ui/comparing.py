@@ -10,9 +10,9 @@ from ao2viz.envs.task import TaskSpec
 from ao2viz.experiments.duel import Beside, Duel, fight, put_beside
 from ao2viz.recording.episode import Episode
 from ao2viz.store.saved import Learned, SavedAgent
-from ao2viz.ui.commands import ChooseDuelSeed, ChooseOther, Fight, SeekDuel, Task
 from ao2viz.ui.downloads import Notify
 from ao2viz.ui.jobs import Begin
+from ao2viz.ui.questions import ChooseDuelSeed, ChooseOther, Fight, SeekDuel, Task
 from ao2viz.ui.session import Session
 from ao2viz.ui.watched import learned_of, spec_of
 from ao2viz.ui.world import LoadFailure, World

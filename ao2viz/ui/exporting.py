@@ -11,10 +11,10 @@ from typing import assert_never
 from ao2viz.exports.export import export
 from ao2viz.exports.formats import ABOUT, Format, Scope, scopes_of
 from ao2viz.store.saved import SavedAgent
-from ao2viz.ui.commands import ChooseFormat, ChooseScope, Task
-from ao2viz.ui.commands import Export as ExportNow
 from ao2viz.ui.downloads import Notify, SaveFile, stem_of
 from ao2viz.ui.jobs import Begin
+from ao2viz.ui.questions import ChooseFormat, ChooseScope, Task
+from ao2viz.ui.questions import Export as ExportNow
 from ao2viz.ui.session import Session
 from ao2viz.ui.watched import agent_of, episode_of
 from ao2viz.ui.world import World

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ao2viz.explain.background import Background
-from ao2viz.ui.commands import Task
+from ao2viz.ui.questions import Task
 
 
 @dataclass(frozen=True, eq=False)

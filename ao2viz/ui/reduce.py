@@ -25,37 +25,25 @@ from ao2viz.training.states import (
 )
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.commands import (
-    CallOff,
     ChooseDecideBy,
-    ChooseDuelSeed,
     ChooseEpisode,
-    ChooseFormat,
-    ChooseOther,
     ChooseOver,
-    ChooseScope,
     ChooseSmoothing,
     ChooseSource,
     Command,
     ConfirmOverwrite,
     Download,
     Edit,
-    Export,
     Field,
-    Fight,
-    FindNearest,
     Move,
     Pick,
     Press,
     RunButton,
     Seek,
-    SeekDuel,
     SetPlaySpeed,
     SetTrainingSpeed,
     ShowAhead,
     ShowMoment,
-    StopSupposing,
-    Suppose,
-    SupposeState,
     Transport,
 )
 from ao2viz.ui.comparing import compare
@@ -63,6 +51,20 @@ from ao2viz.ui.downloads import Notify, SaveFile, make_table
 from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
 from ao2viz.ui.exporting import take_away
 from ao2viz.ui.jobs import Begin
+from ao2viz.ui.questions import (
+    CallOff,
+    ChooseDuelSeed,
+    ChooseFormat,
+    ChooseOther,
+    ChooseScope,
+    Export,
+    Fight,
+    FindNearest,
+    SeekDuel,
+    StopSupposing,
+    Suppose,
+    SupposeState,
+)
 from ao2viz.ui.session import OTHER_ENV, Form, Session
 from ao2viz.ui.watched import agent_of, decision_of, episode_of, forest_of, spec_of
 from ao2viz.ui.what_if import suppose

@@ -12,9 +12,9 @@ from ao2viz.envs.ranges import ranges_by_id
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.nearest import NearestFlip, find_nearest_flip
 from ao2viz.store.saved import Learned
-from ao2viz.ui.commands import FindNearest, StopSupposing, Suppose, SupposeState, Task
 from ao2viz.ui.downloads import Notify
 from ao2viz.ui.jobs import Begin
+from ao2viz.ui.questions import FindNearest, StopSupposing, Suppose, SupposeState, Task
 from ao2viz.ui.session import Session, Supposition
 from ao2viz.ui.watched import learned_of, observation_of, spec_of
 from ao2viz.ui.world import World

@@ -11,11 +11,11 @@ from ao2viz.envs.task import describe, make_env
 from ao2viz.training.states import RunStatus
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui import html_compare
-from ao2viz.ui.commands import ChooseDuelSeed, ChooseOther, Fight, SeekDuel, Task
 from ao2viz.ui.comparing import begin_beside
 from ao2viz.ui.downloads import Notify
 from ao2viz.ui.jobs import Begin, Jobs
 from ao2viz.ui.library import Library
+from ao2viz.ui.questions import ChooseDuelSeed, ChooseOther, Fight, SeekDuel, Task
 from ao2viz.ui.reduce import reduce
 from ao2viz.ui.session import Session
 from ao2viz.ui.view import project

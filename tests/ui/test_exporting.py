@@ -14,9 +14,9 @@ from PIL import Image
 from ao2viz.agent import AO2
 from ao2viz.exports.formats import PURPOSES, Format, Scope, scopes_of
 from ao2viz.ui import exporting
-from ao2viz.ui.commands import ChooseFormat, ChooseScope, Export
 from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.jobs import Begin, Jobs
+from ao2viz.ui.questions import ChooseFormat, ChooseScope, Export
 from ao2viz.ui.reduce import reduce
 from ao2viz.ui.session import Session
 from ao2viz.ui.view import project

@@ -18,21 +18,12 @@ from ao2viz.explain.flips import Flips
 from ao2viz.training.states import RunStatus
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui import html_what_if
-from ao2viz.ui.commands import (
-    CallOff,
-    ChooseSource,
-    FindNearest,
-    Move,
-    StopSupposing,
-    Suppose,
-    SupposeState,
-    Task,
-    Transport,
-)
+from ao2viz.ui.commands import ChooseSource, Move, Transport
 from ao2viz.ui.dials import make_dials
 from ao2viz.ui.downloads import Notify
 from ao2viz.ui.jobs import Begin, Jobs
 from ao2viz.ui.mirror import Mirror
+from ao2viz.ui.questions import CallOff, FindNearest, StopSupposing, Suppose, SupposeState, Task
 from ao2viz.ui.reduce import reduce
 from ao2viz.ui.session import Session
 from ao2viz.ui.supposing import STILL_S, Supposing

@@ -12,23 +12,14 @@ from ao2viz.explain.compare import Difference, tell_difference
 from ao2viz.explain.whole import Comparison
 from ao2viz.explain.words import capitalised
 from ao2viz.ui import html, html_compare
-from ao2viz.ui.commands import (
-    CallOff,
-    ChooseDuelSeed,
-    ChooseOther,
-    Command,
-    Fight,
-    Seek,
-    SeekDuel,
-    Select,
-    Task,
-)
+from ao2viz.ui.commands import Command, Seek, Select
 from ao2viz.ui.comparing import Other, begin_beside, beside_subject
 from ao2viz.ui.frames import BLANK, FrameStore
 from ao2viz.ui.inbox import Inbox, on_change, on_press, on_trigger
 from ao2viz.ui.jobs import Jobs, JobState
 from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.panels.links import Links
+from ao2viz.ui.questions import CallOff, ChooseDuelSeed, ChooseOther, Fight, SeekDuel, Task
 from ao2viz.ui.thinker import Thinker
 from ao2viz.ui.view import View
 

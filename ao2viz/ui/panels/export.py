@@ -7,13 +7,14 @@ import viser
 from ao2viz.explain.words import capitalised, percent
 from ao2viz.exports.formats import ABOUT, PURPOSES, Format, Scope
 from ao2viz.ui import html
-from ao2viz.ui.commands import CallOff, ChooseFormat, ChooseScope, Command, Task
-from ao2viz.ui.commands import Export as ExportNow
+from ao2viz.ui.commands import Command
 from ao2viz.ui.downloads import SaveFile
 from ao2viz.ui.exporting import SUBJECT, Export
 from ao2viz.ui.inbox import Inbox, on_change, on_press, on_trigger
 from ao2viz.ui.jobs import Jobs, JobState
 from ao2viz.ui.mirror import Mirror
+from ao2viz.ui.questions import CallOff, ChooseFormat, ChooseScope, Task
+from ao2viz.ui.questions import Export as ExportNow
 from ao2viz.ui.view import View
 
 _END: str = "End"

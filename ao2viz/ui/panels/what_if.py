@@ -12,19 +12,12 @@ from ao2viz.explain.faithful import Faithfulness
 from ao2viz.explain.flips import Flip, Flips
 from ao2viz.explain.nearest import NearestFlip
 from ao2viz.ui import html, html_reasons, html_what_if
-from ao2viz.ui.commands import (
-    CallOff,
-    Command,
-    FindNearest,
-    StopSupposing,
-    Suppose,
-    SupposeState,
-    Task,
-)
+from ao2viz.ui.commands import Command
 from ao2viz.ui.dials import Dial
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_press, on_trigger
 from ao2viz.ui.jobs import Jobs, JobState
 from ao2viz.ui.mirror import Mirror
+from ao2viz.ui.questions import CallOff, FindNearest, StopSupposing, Suppose, SupposeState, Task
 from ao2viz.ui.supposing import Answer
 from ao2viz.ui.thinker import NoAnswer
 from ao2viz.ui.view import View
