@@ -24,6 +24,7 @@ from ao2viz.core.config import (
 )
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
+from ao2viz.core.settings import check_changeable
 from ao2viz.envs.matching import check_env, check_match
 from ao2viz.envs.motion import check_smoothing, last_executed, smooth
 from ao2viz.envs.task import TaskSpec, describe, make_env, settings_for, to_observation
@@ -210,9 +211,7 @@ class AO2:
         Raises:
             ValueError: If it is neither.
         """
-        name = decide_by.value if isinstance(decide_by, DecideBy) else decide_by
-        config = change_config(self.config, {"decide_by": name})
-        self._learner.set_decide_by(config.decide_by)
+        self.change_settings(decide_by=decide_by)
 
     def set_think_ahead(self, steps: int, limit: int | None = None) -> None:
         """Changes how many steps ahead every decision thinks; allowed at any time.
@@ -233,6 +232,16 @@ class AO2:
         checked = make_config(Preset.ANTICIPATING, settings)
         assert isinstance(checked, AnticipatingConfig)
         self._learner.set_think_ahead(checked.think_ahead, checked.think_limit)
+
+    def change_settings(self, **settings: Any) -> None:
+        """Changes settings in the middle of a life; `settings_of` says which can, and from when on.
+
+        Raises:
+            ValueError: If one is unknown, out of range, or cannot change any more.
+        """
+        config = change_config(self.config, settings)
+        check_changeable(self.preset, set(settings))
+        self._learner.change({name: getattr(config, name) for name in settings})
 
     def decide(self, observation: ArrayLike) -> Decision:
         """What it would do, greedily, if it saw this, and everything that led to it."""

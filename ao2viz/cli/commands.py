@@ -58,11 +58,15 @@ def open_app(
     no_browser: Annotated[
         bool, typer.Option("--no-browser", help="Print the address only, open no browser.")
     ] = False,
+    folder: Annotated[
+        list[Path] | None,
+        typer.Option(help="Folder to save to and open from; more than one leaves the choice."),
+    ] = None,
 ) -> None:
     """Open the dashboard in the browser. Ctrl-C stops it."""
     from ao2viz.cli.dashboard import run  # noqa: PLC0415 -- heavy.
 
-    run(file, host=host, port=port, open_browser=not no_browser)
+    run(file, host=host, port=port, open_browser=not no_browser, folders=folder or ())
 
 
 @app.command()

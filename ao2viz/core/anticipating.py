@@ -4,7 +4,9 @@ An option with expectations is Neisser's anticipatory schema (Cognition and Real
 it learns is model-based value iteration on the options themselves (Sutton's Dyna, 1990).
 """
 
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -180,6 +182,11 @@ class AnticipatingLearner:
     def set_think_ahead(self, steps: int, limit: int) -> None:
         """Changes how far and how long decisions think; see `Learner`."""
         self.config = replace(self.config, think_ahead=steps, think_limit=limit)
+
+    def change(self, settings: Mapping[str, Any]) -> None:
+        """Takes over other settings; see `Learner`."""
+        self.config = replace(self.config, **settings)
+        self._rules = rules_of(self.config)
 
     def view(self) -> ForestView:
         """A frozen copy of the forest; see `Learner`."""

@@ -166,6 +166,11 @@ def config_to_dict(config: Config) -> dict[str, bool | int | float | str]:
     }
 
 
+def range_of(name: str) -> tuple[float, float]:
+    """Smallest and largest value of a setting that is a number, both allowed."""
+    return _RANGES[name]
+
+
 def to_preset(preset: Preset | str) -> Preset:
     """A preset, given as itself or by name.
 

@@ -1,6 +1,7 @@
 """What every agent of this project can do, whichever preset it follows."""
 
-from typing import Protocol
+from collections.abc import Mapping
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +25,7 @@ class Learner(Protocol):
 
     @property
     def config(self) -> Config:
-        """Every setting, frozen; frozen; only `set_decide_by` and `set_think_ahead` change it."""
+        """Every setting, frozen; `set_decide_by`, `set_think_ahead` and `change` replace it."""
         ...
 
     def start(self, observation: NDArray[np.float64]) -> tuple[GrowthEvent, ...]:
@@ -76,6 +77,10 @@ class Learner(Protocol):
         Raises:
             ValueError: If this agent cannot imagine what follows an action.
         """
+        ...
+
+    def change(self, settings: Mapping[str, Any]) -> None:
+        """Takes over settings that `check_changeable` allows, their values already checked."""
         ...
 
     def view(self) -> ForestView:

@@ -4,7 +4,9 @@ Where the paper is silent or contradicts itself, `docs/algorithm.md` says how it
 """
 
 from collections import deque
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -122,6 +124,10 @@ class PaperLearner:
                 "The paper preset does not learn what follows an action, so it cannot think "
                 "ahead; the anticipating preset can."
             )
+
+    def change(self, settings: Mapping[str, Any]) -> None:
+        """Takes over other settings; see `Learner`."""
+        self.config = replace(self.config, **settings)
 
     def view(self) -> ForestView:
         """A frozen copy of the forest; see `Learner`."""

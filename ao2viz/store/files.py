@@ -3,6 +3,7 @@
 import contextlib
 import dataclasses
 import datetime
+import io
 import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -68,9 +69,31 @@ def read(path: AnyPath) -> SavedAgent:
         AgentFileError: If it is no sound agent file; one line that says what is wrong.
     """
     with _opened(path) as archive:
-        manifest = from_json(archive.read_manifest())
-        arrays = archive.read_arrays(manifest.members)
-        return _assemble(manifest, arrays)
+        return _read_from(archive)
+
+
+def keep(path: AnyPath, content: bytes) -> SavedAgent:
+    """Checks all of what a stranger sent, as `read` does, then writes it as it came.
+
+    Raises:
+        AgentFileError: If it is no sound agent file; then nothing is written.
+        OSError: If it cannot be written; an old file then is as it was.
+    """
+    path = Path(path)
+    try:
+        with ArchiveReader(io.BytesIO(content)) as archive:
+            saved = _read_from(archive)
+    except AgentFileError as error:
+        raise AgentFileError(f"Could not open {path.name!r}. {error}") from error
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as stream:
+        stream.write(content)
+    return saved
+
+
+def _read_from(archive: ArchiveReader) -> SavedAgent:
+    manifest = from_json(archive.read_manifest())
+    return _assemble(manifest, archive.read_arrays(manifest.members))
 
 
 def summary(path: AnyPath) -> Summary:

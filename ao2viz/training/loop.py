@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.decision import Decision
+from ao2viz.core.forest import ForestView
 from ao2viz.core.growth import GrowthEvent, GrowthKind
 from ao2viz.core.learner import Learner
 from ao2viz.envs.motion import Motion
 from ao2viz.envs.task import TaskSpec, to_observation
+from ao2viz.recording.cycle import Cycle, find_cycle
 from ao2viz.recording.episode import Episode
 from ao2viz.recording.growth_log import GrowthLog
 from ao2viz.recording.history import EpisodeSummary, History
@@ -146,6 +148,21 @@ class StepResult:
     def has_ended(self) -> bool:
         """Whether this was the last step of its episode."""
         return self.terminated or self.truncated
+
+
+def cycle_of(before: ForestView, after: ForestView, result: StepResult) -> Cycle:
+    """The stages of a step, by the forests before and after it."""
+    return find_cycle(
+        before,
+        after,
+        result.decision,
+        result.reward,
+        result.observation,
+        result.events,
+        result.n_steps,
+        terminated=result.terminated,
+        truncated=result.truncated,
+    )
 
 
 class Stepper:

@@ -3,16 +3,16 @@
 import time
 from collections.abc import Callable, Sequence
 
-from ao2viz.training.states import RunCommand, RunStatus
+from ao2viz.training.states import USUAL_LEARNING, RunCommand, RunStatus
 from ao2viz.training.updates import RunUpdate
 from ao2viz.training.worker import Worker
 
 MIN_INTERVAL_S = 0.1
 """Between two updates of a run; changes that people wait for are shown at once."""
-MAX_SHARE = 0.05
-"""Of the time that making updates may take from training."""
 MAX_INTERVAL_S = 1.0
 """However much an update costs: the first picture loads a library, and must not hide the next."""
+SHORTEST_S = 1 / 30
+"""No screen needs updates more often; both intervals are those of the usual share of learning."""
 _BUDGET_S = 0.02  # The longest that a command waits while training.
 
 Receive = Callable[[float | None], Sequence[RunCommand] | None]
@@ -20,11 +20,21 @@ Receive = Callable[[float | None], Sequence[RunCommand] | None]
 
 
 class Pace:
-    """When the next update is due: rarer the more it costs to make one."""
+    """When the next update is due: rarer the more it costs to make one, and the less is shown."""
 
-    def __init__(self) -> None:
-        self.interval_s = MIN_INTERVAL_S
-        self._last = -MIN_INTERVAL_S
+    def __init__(self, learning_share: float = USUAL_LEARNING) -> None:
+        self.learning_share = learning_share
+        self._cost_s = 0.0
+        self._last = -MAX_INTERVAL_S
+
+    @property
+    def interval_s(self) -> float:
+        """From one update to the next."""
+        shown = 1.0 - self.learning_share
+        factor = (1.0 - USUAL_LEARNING) / shown
+        shortest = max(SHORTEST_S, MIN_INTERVAL_S * factor)
+        wanted = self._cost_s / shown
+        return min(max(shortest, MAX_INTERVAL_S * factor), max(shortest, wanted))
 
     def is_due(self, now: float) -> bool:
         """Whether enough time has passed."""
@@ -32,9 +42,7 @@ class Pace:
 
     def note(self, began: float, ended: float) -> None:
         """Takes notice of an update that was made."""
-        self._last = ended
-        wanted = (ended - began) / MAX_SHARE
-        self.interval_s = min(MAX_INTERVAL_S, max(MIN_INTERVAL_S, wanted))
+        self._last, self._cost_s = ended, ended - began
 
 
 def serve(worker: Worker, receive: Receive, publish: Callable[[RunUpdate], None]) -> None:
@@ -43,6 +51,7 @@ def serve(worker: Worker, receive: Receive, publish: Callable[[RunUpdate], None]
     while (commands := receive(wait_s)) is not None:
         for command in commands:
             worker.handle(command)
+        pace.learning_share = worker.learning_share
         now = time.perf_counter()
         is_running = worker.status is RunStatus.RUNNING
         if worker.changes != shown or (is_running and pace.is_due(now)):

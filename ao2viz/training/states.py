@@ -67,6 +67,7 @@ class Save:
     """Writes the agent to a file."""
 
     path: Path
+    is_copy: bool = False  # For somebody who waits for the file: nobody else needs to hear of it.
 
 
 @dataclass(frozen=True)
@@ -77,13 +78,45 @@ class SetSpeed:
 
 
 @dataclass(frozen=True)
+class SetShare:
+    """How much of the time is for learning; the rest may go into showing what was learned.
+
+    From MIN_LEARNING to MAX_LEARNING. How fast steps are taken is all that it changes.
+    """
+
+    learning: float
+
+
+MIN_LEARNING, MAX_LEARNING, USUAL_LEARNING = 0.5, 0.99, 0.95
+
+
+@dataclass(frozen=True)
 class SetDecideBy:
     """Switches between vote and path."""
 
     decide_by: DecideBy
 
 
-RunCommand = Start | Resume | Pause | Step | RunEpisode | Stop | Save | SetSpeed | SetDecideBy
+@dataclass(frozen=True)
+class ChangeSettings:
+    """Changes settings of the run under way, all of them or, if one does not fit, none."""
+
+    settings: Mapping[str, Any]
+
+
+RunCommand = (
+    Start
+    | Resume
+    | Pause
+    | Step
+    | RunEpisode
+    | Stop
+    | Save
+    | SetSpeed
+    | SetShare
+    | SetDecideBy
+    | ChangeSettings
+)
 
 _HOLDS_AGENT = (RunStatus.RUNNING, RunStatus.PAUSED, RunStatus.FINISHED, RunStatus.FAILED)
 
@@ -103,7 +136,9 @@ TRANSITIONS: Mapping[tuple[RunStatus, type[RunCommand]], RunStatus] = {
     (RunStatus.PREPARING, Stop): RunStatus.IDLE,
     **{(status, Save): status for status in _HOLDS_AGENT},
     **{(status, SetSpeed): status for status in RunStatus},
+    **{(status, SetShare): status for status in RunStatus},
     **{(status, SetDecideBy): status for status in _HOLDS_AGENT},
+    **{(status, ChangeSettings): status for status in _HOLDS_AGENT},
 }
 
 

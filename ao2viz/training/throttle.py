@@ -15,13 +15,13 @@ class Throttle:
     def __init__(self, clock: Callable[[], float]) -> None:
         """Makes one without a limit."""
         self._clock = clock
-        self._speed: float | None = None
+        self.speed: float | None = None  # Steps a second at most; None: no limit.
         self._began = (0.0, 0)  # When and at which step throttling began.
         self._pace: deque[tuple[float, int]] = deque()  # (time, step) while running.
 
-    def limit(self, steps_per_s: float | None, n_steps: int) -> None:
+    def set_limit(self, steps_per_s: float | None, n_steps: int) -> None:
         """Sets the limit, more than 0; None lifts it. `n_steps` have been taken."""
-        self._speed = steps_per_s
+        self.speed = steps_per_s
         self.restart(n_steps)
 
     def restart(self, n_steps: int) -> None:
@@ -31,10 +31,10 @@ class Throttle:
 
     def wait_s(self, now: float, n_steps: int) -> float:
         """How long the run must wait before its next step."""
-        if self._speed is None:
+        if self.speed is None:
             return 0.0
         began, first = self._began
-        due = began + (n_steps - first) / self._speed
+        due = began + (n_steps - first) / self.speed
         return max(due - now, _SHORTEST_WAIT_S) if due > now else 0.0
 
     def measure(self, n_steps: int) -> float:

@@ -5,13 +5,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.config import Preset
+from ao2viz.core.config import Config, Preset
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
+from ao2viz.recording.cycle import Cycle
 from ao2viz.recording.episode import Episode
 from ao2viz.store.saved import Learned
-from ao2viz.training.states import RunStatus
+from ao2viz.training.states import USUAL_LEARNING, RunStatus
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,10 +23,12 @@ class RunUpdate:
     message: str = ""  # In words: what failed, what was refused, where a file was saved.
     is_error: bool = False  # Whether `message` tells of something that went wrong.
     run_id: int = 0  # Raised by every Start, so a page knows that a new forest begins.
+    speed: float | None = None  # Steps a second at most; None: no limit.
+    learning_share: float = USUAL_LEARNING  # Of the time; the rest is for updates like this one.
     spec: TaskSpec | None = None
     preset: Preset = Preset.ANTICIPATING
     seed: int = 0
-    decide_by: DecideBy = DecideBy.PATH
+    config: Config | None = None  # Its settings as they are now.
     n_steps: int = 0  # The agent's steps so far.
     first_step: int = 0  # Its steps when this run began (more than 0 after a resume).
     total_steps: int = 0  # Steps this run is to take.
@@ -40,3 +43,9 @@ class RunUpdate:
     frame: bytes | None = None  # JPEG of the environment after the latest step, if it draws.
     learned: Learned | None = None  # All that it has learned, only while nothing runs.
     episode: Episode | None = None  # Latest recorded episode, only while nothing runs.
+    cycle: Cycle | None = None  # The latest single step, until the run goes on.
+
+    @property
+    def decide_by(self) -> DecideBy:
+        """Who decides now."""
+        return DecideBy.PATH if self.config is None else self.config.decide_by

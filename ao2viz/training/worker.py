@@ -5,16 +5,22 @@ No threads, no sleeping, no queues: a runner calls `handle`, `advance` and `upda
 
 import time
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from ao2viz.agent import AO2
+from ao2viz.recording.cycle import Cycle
 from ao2viz.store.saved import Learned
 from ao2viz.training.frames import draw
-from ao2viz.training.loop import Stepper
+from ao2viz.training.loop import Stepper, cycle_of
 from ao2viz.training.making import in_words, make_agent
 from ao2viz.training.states import (
+    MAX_LEARNING,
+    MIN_LEARNING,
     TRANSITIONS,
+    USUAL_LEARNING,
+    ChangeSettings,
     Pause,
     Resume,
     RunCommand,
@@ -22,6 +28,7 @@ from ao2viz.training.states import (
     RunStatus,
     Save,
     SetDecideBy,
+    SetShare,
     SetSpeed,
     Start,
     Step,
@@ -41,7 +48,9 @@ _WORDS: dict[type[RunCommand], str] = {
     Stop: "stop",
     Save: "save",
     SetSpeed: "change the speed",
+    SetShare: "change how much is shown",
     SetDecideBy: "change who decides",
+    ChangeSettings: "change settings",
 }
 
 
@@ -57,6 +66,7 @@ class Worker:
             runs_before: The number of the latest run of a worker that this one replaces.
             clock: Seconds; for throttling and for counting steps a second.
         """
+        self.learning_share = USUAL_LEARNING  # Of the time; for whoever makes the updates.
         self.changes = 0  # Raised by whatever people should see at once.
         self._clock = clock
         self._status = RunStatus.IDLE
@@ -69,6 +79,7 @@ class Worker:
         self._status_before = RunStatus.IDLE
         self._single_steps = 0  # Asked for while paused and not taken yet.
         self._pauses_at_end = False  # Holds when the episode ends.
+        self._cycle: Cycle | None = None  # Of the latest single step, until the run goes on.
         self._first_step = 0
         self._watch = Stopwatch()
         self._throttle = Throttle(clock)
@@ -105,9 +116,14 @@ class Worker:
             case SetSpeed():
                 self._set_speed(command.steps_per_s)
                 return
+            case SetShare():
+                self._set_share(command.learning)
+                return
             case SetDecideBy():
                 self._require_agent().set_decide_by(command.decide_by)
                 self._tell(f"Decides by {command.decide_by.value} from now on.")
+            case ChangeSettings():
+                self._change(command)
             case Stop():
                 self._stop()
             case Step():
@@ -148,21 +164,20 @@ class Worker:
             message=self._message,
             is_error=self._is_error,
             run_id=self._run_id,
+            speed=self._throttle.speed,
+            learning_share=self.learning_share,
         )
         if agent is None or stepper is None:
             return general
         holds = self._status not in (RunStatus.RUNNING, RunStatus.PREPARING)
         steps_per_s = self._measure_speed()
         left = self._first_step + self._start.total_steps - agent.num_timesteps
-        return RunUpdate(
-            status=general.status,
-            message=general.message,
-            is_error=general.is_error,
-            run_id=general.run_id,
+        return replace(
+            general,
             spec=agent.spec,
             preset=agent.preset,
             seed=agent.seed,
-            decide_by=agent.config.decide_by,
+            config=agent.config,
             n_steps=agent.num_timesteps,
             first_step=self._first_step,
             total_steps=self._start.total_steps,
@@ -177,6 +192,7 @@ class Worker:
             frame=self._draw(),
             learned=Learned(agent.config, agent.to_saved().state) if holds else None,
             episode=stepper.episode() if holds else None,
+            cycle=self._cycle if holds else None,
         )
 
     def close(self) -> None:
@@ -246,7 +262,11 @@ class Worker:
     def _take_single_step(self) -> None:
         self._single_steps -= 1
         if not self._is_done:  # It is if the pause came while the last step was settling.
+            before = self._require_agent().forest
             self._take_step()
+            assert self._stepper is not None
+            assert self._stepper.last is not None
+            self._cycle = cycle_of(before, self._require_agent().forest, self._stepper.last)
             self.changes += 1
         if self._is_done:
             self._finish()
@@ -293,7 +313,17 @@ class Worker:
         except (OSError, ValueError) as error:
             self._tell(f"Could not save to {command.path}: {in_words(error)}", is_error=True)
         else:
-            self._tell(f"Saved to {command.path}.")
+            if not command.is_copy:
+                self._tell(f"Saved to {command.path}.")
+
+    def _change(self, command: ChangeSettings) -> None:
+        try:
+            self._require_agent().change_settings(**command.settings)
+        except ValueError as error:
+            self._tell(in_words(error), is_error=True)
+        else:
+            told = ", ".join(f"{name} {value}" for name, value in command.settings.items())
+            self._tell(f"From now on: {told}.")
 
     # Speed.
 
@@ -303,7 +333,15 @@ class Worker:
                 f"Expected more than 0 steps a second, but got {steps_per_s}.", is_error=True
             )
             return
-        self._throttle.limit(steps_per_s, self._n_steps)
+        self._throttle.set_limit(steps_per_s, self._n_steps)
+
+    def _set_share(self, learning: float) -> None:
+        if not MIN_LEARNING <= learning <= MAX_LEARNING:
+            expected = f"from {MIN_LEARNING:.0%} to {MAX_LEARNING:.0%} of the time for learning"
+            self._tell(f"Expected {expected}, but got {learning}.", is_error=True)
+            return
+        self.learning_share = learning
+        self.changes += 1
 
     def _measure_speed(self) -> float:
         return self._throttle.measure(self._n_steps) if self._status is RunStatus.RUNNING else 0.0
@@ -334,6 +372,8 @@ class Worker:
 
     def _go(self, status: RunStatus) -> None:
         self.changes += 1
+        if status is RunStatus.RUNNING:
+            self._cycle = None
         if status is not self._status:
             self._status = status
             self._throttle.restart(self._n_steps)

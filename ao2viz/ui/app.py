@@ -16,20 +16,24 @@ from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.envs.catalogue import CATALOGUE
 from ao2viz.training.runner import ProcessRunner, Runner
-from ao2viz.training.states import RunStatus, Start
+from ao2viz.training.states import RunCommand, RunStatus, Start
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.browser import Browser
-from ao2viz.ui.commands import Connect, Disconnect, Select
+from ao2viz.ui.commands import Select
+from ao2viz.ui.copies import Copies, read_agent
+from ao2viz.ui.defaults import DefaultsStore
+from ao2viz.ui.dialog_commands import Dialog
 from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.frames import FrameStore
 from ao2viz.ui.gallery import Gallery
-from ao2viz.ui.inbox import Inbox
+from ao2viz.ui.inbox import Connect, Disconnect, Inbox
 from ao2viz.ui.jobs import Begin
 from ao2viz.ui.library import Library
 from ao2viz.ui.questions import CallOff
 from ao2viz.ui.reduce import Effect, PickOption, advance, follow, reduce
 from ao2viz.ui.security import make_server, make_token
 from ao2viz.ui.session import Form, Session
+from ao2viz.ui.shelf import KeepUpload, SendAgent
 from ao2viz.ui.stage import Stage
 from ao2viz.ui.thinker import Thinker
 from ao2viz.ui.view import View, project
@@ -52,6 +56,7 @@ class Dashboard:
         host: str = "127.0.0.1",
         port: int = 8080,
         folder: Path | None = None,
+        more_folders: tuple[Path, ...] = (),
         shipped: Path | None = None,
         make_runner: Callable[[], Runner] = ProcessRunner,
         env_ids: tuple[str, ...] = tuple(CATALOGUE),
@@ -63,6 +68,7 @@ class Dashboard:
             host: What to listen on. Anything but this computer gets a token in its address.
             port: 0 takes any that is free; a taken one makes viser take the next.
             folder: Where agents are saved and looked for; None: the working directory.
+            more_folders: Further folders that people may choose to save to.
             shipped: The folder of the bundled agents; None: the one that comes with ao2viz.
             make_runner: Makes what trains.
             env_ids: The environments offered by name.
@@ -72,15 +78,19 @@ class Dashboard:
         self._make_runner = make_runner
         self._folder = folder if folder is not None else Path.cwd()
         extra = agent.resolve() if agent is not None else None
-        self._library = Library(shipped or resources.saved_schemas(), self._folder, extra)
+        shipped = shipped or resources.saved_schemas()
+        self._library = Library(shipped, self._folder, extra, more_folders)
+        self._copies = Copies(self._folder)
         self._env_ids = env_ids
         self._inbox = Inbox()
         self._frames = FrameStore()
         self._gallery = Gallery()
         self._thinker = Thinker()
+        self._defaults = DefaultsStore()
         self._browsers: dict[int, Browser] = {}
         self._sessions: dict[int, Session] = {}
-        self._world = World(folder=self._folder, env_ids=env_ids)
+        folders = tuple(dict.fromkeys((self._folder, *more_folders)))
+        self._world = World(folder=self._folder, folders=folders, env_ids=env_ids)
         self._relist_at = 0.0
         self._stopping = threading.Event()
         self._server: viser.ViserServer | None = None
@@ -137,6 +147,7 @@ class Dashboard:
         self._thinker.close()
         for browser in list(self._browsers.values()):
             browser.jobs.close()
+        self._defaults.close()
         self._library.close()
         if self._server is not None:
             with contextlib.redirect_stdout(None):
@@ -164,6 +175,7 @@ class Dashboard:
                 if gone is not None:
                     gone.jobs.close()
                 self._sessions.pop(client_id, None)
+                self._inbox.forget(client_id)
             elif client_id in self._sessions:
                 session, effects = reduce(self._sessions[client_id], command, self._world)
                 self._sessions[client_id] = session
@@ -176,6 +188,8 @@ class Dashboard:
                 self._library.open(session.source)
             if session.other is not None:
                 self._library.open(session.other)
+            if session.dialog is Dialog.SETTINGS and session.form.may_be_made:
+                self._defaults.ask(session.form.env_id)
             try:
                 view = project(session, self._world)
                 browser.sync(view, self._gallery, self._frames, self._thinker)
@@ -196,6 +210,15 @@ class Dashboard:
                 self._sessions[client_id] = follow(session, before, update)
             self._tell_about(before, update)
             self._world = replace(self._world, update=update)
+        for client_id, notice in self._library.poll_kept():
+            self._relist_at = 0.0
+            if client_id in self._browsers:
+                self._browsers[client_id].notify(notice)
+        for client_id, file in self._copies.poll(now):
+            if client_id in self._browsers:
+                self._hand_over(client_id, file)
+        if self._defaults.poll():
+            self._world = replace(self._world, defaults=self._defaults.known)
         has_news = self._library.poll()
         if now >= self._relist_at:
             self._relist_at = now + _RELIST_S
@@ -244,6 +267,13 @@ class Dashboard:
                 self._browsers[client_id].notify(effect)
             case SaveFile():
                 self._browsers[client_id].hand_over(effect)
+            case KeepUpload(upload):
+                self._library.keep(client_id, upload)
+            case SendAgent(path):
+                if path is None:
+                    self._submit(self._copies.ask(client_id, self._world.update))
+                else:
+                    self._hand_over(client_id, read_agent(path))
             case PickOption(pick):
                 option = self._browsers[client_id].pick(pick.origin, pick.direction)
                 if option != NO_OPTION:
@@ -253,13 +283,23 @@ class Dashboard:
             case CallOff(task):
                 self._browsers[client_id].jobs.call_off(task)
             case _:
-                if self._runner is None:  # Made when first needed: a page opens sooner without.
-                    self._runner = self._make_runner()
-                if isinstance(effect, Start):
-                    self._outdated = self._runner.latest()
-                    update = RunUpdate(RunStatus.PREPARING, run_id=self._outdated.run_id)
-                    self._world = replace(self._world, update=update)
-                self._runner.submit(effect)
+                self._submit(effect)
+
+    def _submit(self, command: RunCommand) -> None:
+        if self._runner is None:  # Made when first needed: a page opens sooner without.
+            self._runner = self._make_runner()
+        if isinstance(command, Start):
+            self._outdated = self._runner.latest()
+            update = RunUpdate(RunStatus.PREPARING, run_id=self._outdated.run_id)
+            self._world = replace(self._world, update=update)
+        self._runner.submit(command)
+
+    def _hand_over(self, client_id: int, file: SaveFile | Notify) -> None:
+        browser = self._browsers[client_id]
+        if isinstance(file, SaveFile):
+            browser.hand_over(file)
+        else:
+            browser.notify(file)
 
     def _tell_of_bug(self, error: Exception) -> None:
         """Tells of a bug once, although it may come back with every tick."""
@@ -282,6 +322,7 @@ def serve(
     open_browser: bool = True,
     *,
     folder: Path | None = None,
+    more_folders: tuple[Path, ...] = (),
 ) -> None:
     """Serves the dashboard until Ctrl-C, and says in the terminal where and what.
 
@@ -291,11 +332,14 @@ def serve(
         port: Taken ones are passed over; the terminal says which it became.
         open_browser: Whether to open the page.
         folder: Where agents are saved; None: the working directory.
+        more_folders: Further folders that people may choose to save to.
 
     Raises:
         KeyboardInterrupt: On Ctrl-C, after everything was stopped.
     """
-    dashboard = Dashboard(agent_path, host=host, port=port, folder=folder)
+    dashboard = Dashboard(
+        agent_path, host=host, port=port, folder=folder, more_folders=more_folders
+    )
     dashboard.start()
     try:
         shown = agent_path.name if agent_path is not None else "a bundled agent"

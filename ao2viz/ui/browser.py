@@ -15,6 +15,7 @@ from ao2viz.ui.overlay import Moment, Overlay, overlay
 from ao2viz.ui.panels.charts import ChartsPanel
 from ao2viz.ui.panels.compare import ComparePanel
 from ao2viz.ui.panels.control import ControlPanel
+from ao2viz.ui.panels.dialogs import DialogsPanel
 from ao2viz.ui.panels.export import ExportPanel
 from ao2viz.ui.panels.forest import ForestPanel
 from ao2viz.ui.panels.inspect import InspectPanel
@@ -24,6 +25,7 @@ from ao2viz.ui.panels.what_if import WhatIfPanel
 from ao2viz.ui.picture import Picture
 from ao2viz.ui.scene import Canvas
 from ao2viz.ui.stage import Stage
+from ao2viz.ui.staging import at_stage
 from ao2viz.ui.supposing import Answer, Supposing
 from ao2viz.ui.thinker import Thinker
 from ao2viz.ui.view import View
@@ -56,6 +58,7 @@ class Browser:
             with stage.export:
                 self._export = ExportPanel(gui, me, inbox)
             self._legend = LegendPanel(gui, me, inbox)
+            self._dialogs = DialogsPanel(gui, me, inbox)
         self._supposing = Supposing()
         self.jobs = Jobs()
         self._canvas = Canvas(client)
@@ -87,6 +90,7 @@ class Browser:
         requests = Requests(view.fits, view.focuses, view.selection_focuses)
         self._canvas.aim(requests, self._legend.size, lens)
         self._charts.sync(view)
+        self._dialogs.sync(view)
 
     def pick(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> int:
         """The option under a click; NO_OPTION if there is none."""
@@ -122,6 +126,7 @@ class Browser:
             way = answer.ahead if isinstance(answer.ahead, Ahead) else None
             seen = answer.state[None]
             moment = Moment(answer.decision, view.selected, seen, way, is_supposed=True)
+        walk = None if moment.is_supposed else view.walk
         inputs = (
             self._picture,
             moment.decision,
@@ -129,6 +134,7 @@ class Browser:
             view.transport.position,
             moment.ahead,
             answer.state if moment.is_supposed and answer is not None else None,
+            *((None, None) if walk is None else (walk.cycle, walk.stage)),
         )
         if len(self._overlay[0]) == len(inputs) and all(
             a is b or (isinstance(a, int) and a == b)
@@ -138,13 +144,17 @@ class Browser:
         drawn = None
         if self._picture is not None and view.spec is not None and view.forest is not None:
             drawn = overlay(moment, self._picture, view.forest, view.spec)
+            if walk is not None:
+                drawn = at_stage(drawn, walk, self._picture)
         self._overlay = (inputs, drawn)
         return drawn
 
 
 def _ahead_of(view: View, thinker: Thinker) -> Ahead | None:
     """Where the agent expects to go from what is seen, as far as that is known by now."""
-    if not view.shows_ahead or view.learned is None or view.decision is None:
+    if not view.shows_ahead or view.walk is not None:
+        return None
+    if view.learned is None or view.decision is None:
         return None
     answer = thinker.ahead(view.learned, view.decision.observation)
     return answer if isinstance(answer, Ahead) else None

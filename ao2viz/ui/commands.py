@@ -7,6 +7,7 @@ from pathlib import Path
 from ao2viz.core.decision import DecideBy
 from ao2viz.figures.charts import Over
 from ao2viz.figures.coloring import Coloring
+from ao2viz.ui.dialog_commands import DialogCommand, NextStage
 from ao2viz.ui.look import Arrangement
 from ao2viz.ui.questions import (
     CallOff,
@@ -292,16 +293,6 @@ class ChooseDecideBy:
     decide_by: DecideBy
 
 
-@dataclass(frozen=True)
-class Connect:
-    """A browser came."""
-
-
-@dataclass(frozen=True)
-class Disconnect:
-    """A browser went."""
-
-
 Command = (
     Move
     | Seek
@@ -348,4 +339,6 @@ Command = (
     | ConfirmOverwrite
     | SetTrainingSpeed
     | ChooseDecideBy
+    | DialogCommand
+    | NextStage
 )

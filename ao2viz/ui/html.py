@@ -31,6 +31,11 @@ def no_tab() -> str:
     return '<span class="ao-no-tab"></span>'
 
 
+def dialog() -> str:
+    """Makes the dialog that this stands in wide; see static/dashboard.css."""
+    return '<span class="ao-dialog"></span>'
+
+
 def notice(text: str, *, is_error: bool = False) -> str:
     """A paragraph in place of content."""
     kind = "ao-error" if is_error else "ao-dim"

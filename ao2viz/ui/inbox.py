@@ -2,11 +2,41 @@
 
 import queue
 from collections.abc import Callable
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import viser
 
-from ao2viz.ui.commands import Command, Connect, Disconnect, Pick
+from ao2viz.ui.commands import Command, Pick
+
+
+@dataclass(frozen=True)
+class Connect:
+    """A browser came."""
+
+
+@dataclass(frozen=True)
+class Disconnect:
+    """A browser went."""
+
+
+class Key(NamedTuple):
+    """What the palette offers, and the key for it."""
+
+    label: str
+    hotkey: str | None
+    modifier: str | None
+
+    @property
+    def shown(self) -> str:
+        """The key as people read it; empty if there is none."""
+        if self.hotkey is None:
+            return ""
+        if self.hotkey == "?":  # Shift is how most keyboards type it; the sign says enough.
+            return "?"
+        name = self.hotkey if len(self.hotkey) == 1 else self.hotkey.capitalize()
+        return f"{self.modifier.capitalize()}+{name}" if self.modifier else name
+
 
 Envelope = tuple[int, Command | Connect | Disconnect]
 """Which browser, and what it asks."""
@@ -17,10 +47,26 @@ class Inbox:
 
     def __init__(self) -> None:
         self._queue: queue.SimpleQueue[Envelope] = queue.SimpleQueue()
+        self._keys: dict[int, list[viser.CommandHandle]] = {}
 
     def put(self, client_id: int, command: Command | Connect | Disconnect) -> None:
         """Leaves a command for the app loop."""
         self._queue.put((client_id, command))
+
+    def note_key(self, client_id: int, handle: viser.CommandHandle) -> None:
+        """Remembers what can be asked by key or from the palette."""
+        self._keys.setdefault(client_id, []).append(handle)
+
+    def keys_of(self, client_id: int) -> tuple[Key, ...]:
+        """Everything in the palette of a browser, in the order it was made."""
+        return tuple(
+            Key(handle.label, handle.hotkey, handle.modifier)
+            for handle in self._keys.get(client_id, [])
+        )
+
+    def forget(self, client_id: int) -> None:
+        """A browser went."""
+        self._keys.pop(client_id, None)
 
     def drain(self) -> list[Envelope]:
         """Takes everything that is waiting."""
@@ -58,6 +104,7 @@ def on_press(
             inbox.put(client_id, command)
 
     if isinstance(handle, viser.CommandHandle):
+        inbox.note_key(client_id, handle)
         handle.on_trigger(press)
     else:
         handle.on_click(press)
@@ -79,6 +126,7 @@ def on_change(
 
 def on_trigger(handle: viser.CommandHandle, command: Command, client_id: int, inbox: Inbox) -> None:
     """Sends a command when its key is pressed or it is chosen in the palette."""
+    inbox.note_key(client_id, handle)
 
     @handle.on_trigger
     async def _(_: viser.CommandEvent) -> None:

@@ -4,9 +4,12 @@ from collections.abc import Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 
+from ao2viz.explain.words import count
 from ao2viz.store.errors import AgentFileError
-from ao2viz.store.files import SUFFIX, read, summary
+from ao2viz.store.files import SUFFIX, keep, read, summary
 from ao2viz.store.saved import SavedAgent
+from ao2viz.ui.downloads import Notify
+from ao2viz.ui.session import Upload
 from ao2viz.ui.world import LoadFailure, ShelfItem
 
 Stamp = tuple[int, int] | None
@@ -16,15 +19,19 @@ Stamp = tuple[int, int] | None
 class Library:
     """Lists agent files and opens them in a thread of its own."""
 
-    def __init__(self, shipped: Path, folder: Path, extra: Path | None = None) -> None:
+    def __init__(
+        self, shipped: Path, folder: Path, extra: Path | None = None, more: tuple[Path, ...] = ()
+    ) -> None:
         """Makes a library.
 
         Args:
             shipped: The folder of the agents that come with the app.
             folder: Where people save agents.
             extra: A file from anywhere, put first.
+            more: Further folders that people may save to.
         """
-        self._shipped, self._folder, self.extra = shipped, folder, extra
+        self._shipped, self._folders, self.extra = shipped, (folder, *more), extra
+        self._keeping: list[tuple[int, Future[Notify]]] = []
         self._opening: dict[Path, Future[SavedAgent]] = {}
         self._opened: dict[Path, SavedAgent | LoadFailure] = {}
         self._stamps: dict[Path, Stamp] = {}  # Of the opened files, when reading began.
@@ -38,7 +45,8 @@ class Library:
 
     def shelf(self) -> tuple[ShelfItem, ...]:
         """Every file that can be watched: the given one, the shipped ones, the saved ones."""
-        shipped, saved = _agents_in(self._shipped), _agents_in(self._folder)
+        shipped = _agents_in(self._shipped)
+        saved = [path for folder in self._folders for path in _agents_in(folder)]
         extra = [self.extra] if self.extra is not None else []
         paths = list(dict.fromkeys([*extra, *shipped, *saved]))
         labels: dict[str, Path] = {}
@@ -92,6 +100,16 @@ class Library:
                 )
         return bool(done)
 
+    def keep(self, client_id: int, upload: Upload) -> None:
+        """Begins to check an uploaded file, and to write it if it is an agent."""
+        self._keeping.append((client_id, self._thread.submit(_keep, upload)))
+
+    def poll_kept(self) -> list[tuple[int, Notify]]:
+        """What became of uploads since the last call, and whose they were."""
+        done = [each for each in self._keeping if each[1].done()]
+        self._keeping = [each for each in self._keeping if each not in done]
+        return [(client_id, future.result()) for client_id, future in done]
+
     def close(self) -> None:
         """Stops reading."""
         self._thread.shutdown(wait=True, cancel_futures=True)
@@ -115,3 +133,14 @@ def _read(path: Path) -> SavedAgent:
     saved = read(path)
     saved.forest_view()  # Cached: whatever is wrong with it shows up here, off the app loop.
     return saved
+
+
+def _keep(upload: Upload) -> Notify:
+    name = upload.path.name
+    try:
+        saved = keep(upload.path, upload.content)
+    except (AgentFileError, OSError) as error:
+        return Notify("Not uploaded", str(error), is_error=True)
+    except Exception as error:  # A bug of ours; whoever sent the file is told all the same.
+        return Notify("Not uploaded", f"{name}: {type(error).__name__}: {error}", is_error=True)
+    return Notify("Uploaded", f"{name}: {saved.spec.env_id}, {count(saved.n_steps, 'step')}.")

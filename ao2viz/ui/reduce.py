@@ -1,6 +1,5 @@
 """What a command changes in one browser's session, and what it asks of the rest; pure."""
 
-import re
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import assert_never
@@ -47,6 +46,8 @@ from ao2viz.ui.commands import (
     Transport,
 )
 from ao2viz.ui.comparing import compare
+from ao2viz.ui.dialog_commands import DialogCommand, NextStage
+from ao2viz.ui.dialogs import attend, defaults_for
 from ao2viz.ui.downloads import Notify, SaveFile, make_table
 from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
 from ao2viz.ui.exporting import take_away
@@ -66,14 +67,15 @@ from ao2viz.ui.questions import (
     SupposeState,
 )
 from ao2viz.ui.session import OTHER_ENV, Form, Session
+from ao2viz.ui.settings import find_overrides
+from ao2viz.ui.shelf import NAME_RULE, ShelfEffect, path_for
+from ao2viz.ui.walking import follow_step, walk_on
 from ao2viz.ui.watched import agent_of, decision_of, episode_of, forest_of, spec_of
 from ao2viz.ui.what_if import suppose
 from ao2viz.ui.world import World
 
 STEPS_PER_S = 10.0
 """How fast a recorded episode plays at speed 1."""
-
-_FILE_NAME = re.compile(r"[A-Za-z0-9](?:[A-Za-z0-9._ -]{0,78}[A-Za-z0-9])?")
 
 
 @dataclass(frozen=True)
@@ -83,12 +85,16 @@ class PickOption:
     pick: Pick
 
 
-Effect = RunCommand | Notify | PickOption | SaveFile | Begin | CallOff
+Effect = RunCommand | ShelfEffect | PickOption | SaveFile | Begin | CallOff
 Result = tuple[Session, tuple[Effect, ...]]
 
 
 def reduce(session: Session, command: Command, world: World) -> Result:
     """The session after a command, and what has to happen outside of it."""
+    if isinstance(command, NextStage):
+        return walk_on(_watch(session, None, world), world)
+    if isinstance(command, DialogCommand):
+        return attend(session, command, world)
     match command:
         case Move(to):
             return _move(session, to, world), ()
@@ -171,6 +177,7 @@ def follow(session: Session, before: RunUpdate, now: RunUpdate) -> Session:
     """Keeps a browser that watches the run at its latest step; a new run is another forest."""
     if session.source is None and now.run_id != before.run_id:
         session = _forget_options(session)
+    session = follow_step(session, before, now)
     if session.source is not None or now.episode is before.episode:
         return session
     latest = max(0, len(now.episode) - 1) if now.episode is not None else 0
@@ -285,32 +292,27 @@ def _press(session: Session, button: RunButton, world: World) -> Result:
         return _save(session, world)
     if kind is not Start:
         return session, (kind(),)  # pyright: ignore[reportCallIssue]
-    problem = _what_is_missing(session.form)
+    form = session.form
+    overrides, problem = find_overrides(form, defaults_for(form, world))
+    problem = _what_is_missing(form) or problem
     if problem:
         return session, (Notify("Cannot start", problem, is_error=True),)
-    form = session.form
-    start = Start(form.env_id, form.preset, form.seed, form.steps)
+    start = Start(form.env_id, form.preset, form.seed, form.steps, overrides)
     return _watch(session, None, world), (start,)
 
 
 def _what_is_missing(form: Form) -> str:
     if not form.env_id:
         return "Type the Gymnasium id of an environment first, for example LunarLander-v3."
-    if form.env == OTHER_ENV and ":" in form.env_id:
-        # "module:Env" would import code by a name that any browser may type.
+    if not form.may_be_made:
         return "An id with a colon imports code; start such an environment from the terminal."
     return ""
 
 
 def _save(session: Session, world: World) -> Result:
-    name = session.form.file_name.strip().removesuffix(".ao2")
-    if not _FILE_NAME.fullmatch(name):
-        body = (
-            "A file name is up to 80 letters, digits, spaces, dots, dashes and underscores; "
-            "it begins and ends with a letter or a digit."
-        )
-        return session, (Notify("Cannot save", body, is_error=True),)
-    path = world.folder / f"{name}.ao2"
+    path = path_for(session.form.file_name, session, world)
+    if path is None:
+        return session, (Notify("Cannot save", NAME_RULE, is_error=True),)
     if path.exists():
         return replace(session, overwrite=path), ()
     return session, (Save(path),)

@@ -26,22 +26,31 @@ from viser.infra import Message
 from websockets.datastructures import Headers
 from websockets.http11 import Request, Response
 
+from ao2viz.ui.shelf import MAX_UPLOAD_BYTES
+
 MAX_MESSAGE_BYTES = 1_000_000
 """People send clicks and short texts; nothing near this."""
 MAX_TEXT = 200
 """Characters in a text field."""
+MAX_UPLOADS = 2
+"""Files that one browser may be sending at a time."""
 MAX_BROWSERS = 32
 """More at a time are turned away."""
 
+# Browsers send files in parts of half a MiB; more parts than that would only fill the memory.
+_SMALLEST_PART = 2**18
 _LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 _COOKIE = "ao2viz_token"
 _LARGEST = 1e300
-# Everything a browser needs to say; the share tunnel, uploads and forms are not among it.
+# Everything a browser needs to say; the share tunnel and forms are not among it.
 _ALLOWED = (
     messages.ViewerCameraMessage,
     messages.GuiUpdateMessage,
     messages.ScenePointerMessage,
     messages.CommandTriggerMessage,
+    messages.FileTransferStartUpload,
+    messages.FileTransferPart,
+    messages.LocalStorageGetItemResponseMessage,
 )
 _constructing = threading.Lock()  # `serve` is swapped for the whole process while one is built.
 
@@ -211,12 +220,38 @@ def is_harmless(message: object, gui: viser.GuiApi | None) -> bool:
     """Whether a browser may say this: known kinds only, and only values that a control offers."""
     if type(message) not in _ALLOWED:
         return False
+    if isinstance(message, messages.FileTransferStartUpload):
+        return gui is not None and _may_begin(message, gui)
+    if isinstance(message, messages.FileTransferPart):
+        return gui is not None and _is_next_part(message, gui)
     if not isinstance(message, messages.GuiUpdateMessage):
         return True
     if gui is None or not isinstance(message.uuid, str) or set(message.updates) != {"value"}:
         return False
     handle = gui._gui_input_handle_from_uuid.get(message.uuid)
     return handle is not None and is_offered(handle, message.updates["value"])
+
+
+def _may_begin(message: messages.FileTransferStartUpload, gui: viser.GuiApi) -> bool:
+    """Whether an upload button asked for this file, and it is not too big."""
+    handle = gui._gui_input_handle_from_uuid.get(str(message.source_component_uuid))
+    if not isinstance(handle, viser.GuiUploadButtonHandle) or handle.disabled or not handle.visible:
+        return False
+    size, parts = message.size_bytes, message.part_count
+    if not (isinstance(size, int) and isinstance(parts, int) and 0 < size <= MAX_UPLOAD_BYTES):
+        return False
+    states = gui._current_file_upload_states
+    while len(states) >= MAX_UPLOADS:  # The oldest was given up; a browser tells of no such thing.
+        states.pop(next(iter(states)))
+    return 0 < parts <= 1 + size // _SMALLEST_PART and len(str(message.filename)) <= MAX_TEXT
+
+
+def _is_next_part(message: messages.FileTransferPart, gui: viser.GuiApi) -> bool:
+    """Whether this belongs to a file on its way, and leaves it as big as was said."""
+    state = gui._current_file_upload_states.get(message.transfer_uuid)
+    if state is None or not isinstance(message.content, bytes) or not message.content:
+        return False
+    return state["transferred_bytes"] + len(message.content) <= state["total_bytes"]
 
 
 def is_offered(handle: Any, value: object) -> bool:

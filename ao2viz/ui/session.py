@@ -1,11 +1,14 @@
 """What one browser chose: its place in an episode, its selection, its half-filled form."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.exports.formats import Format, Scope
+from ao2viz.recording.cycle import Stage
+from ao2viz.ui.dialog_commands import Dialog
 from ao2viz.ui.look import ChartLook, Look
 
 OTHER_ENV = "other …"
@@ -22,11 +25,30 @@ class Form:
     seed: int = 0
     steps: int = 20_000
     file_name: str = "my-agent"
+    settings: Mapping[str, str] = field(default_factory=dict)  # As typed, where they were.
+    folder: Path | None = None  # Where agents go; None: the first that is allowed.
+    resets: int = 0  # Raised by a reset, so that what was typed gives way.
 
     @property
     def env_id(self) -> str:
         """The environment meant, whichever way it was given."""
         return self.custom_env.strip() if self.env == OTHER_ENV else self.env
+
+    @property
+    def may_be_made(self) -> bool:
+        """Whether making the environment runs nothing but what is registered already.
+
+        "module:Env" would import code by a name that any browser may type.
+        """
+        return self.env != OTHER_ENV or ":" not in self.env_id
+
+
+@dataclass(frozen=True)
+class Upload:
+    """A file that came from a browser, and where it is to go."""
+
+    path: Path
+    content: bytes
 
 
 @dataclass(frozen=True)
@@ -69,7 +91,12 @@ class Session:
     charts: ChartLook = field(default_factory=ChartLook)
     form: Form = field(default_factory=Form)
     form_source: Path | None = None  # The file whose task the form was last filled in for.
+    dialog: Dialog | None = None  # What is open in the middle of the page.
+    walked: int = 0  # The step that is walked through, by the agent's count.
+    stage: Stage = Stage.SAMPLE  # Where in it we are.
+    waits_for_step: bool = False  # To be walked through once it was taken.
     overwrite: Path | None = None  # The file that waits for a yes before it is replaced.
+    upload: Upload | None = None  # What waits for a yes before it replaces a file.
     fits: int = 0  # Raised to ask for the whole forest in view.
     focuses: int = 0  # Raised to ask for the path in view.
     selection_focuses: int = 0  # Raised to ask for the selected option in view.

@@ -16,11 +16,16 @@ from ao2viz.training.states import RunStatus, SetDecideBy, accepts
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.commands import RunButton, Table
 from ao2viz.ui.comparing import Other, other_of
+from ao2viz.ui.dialog_commands import Dialog
+from ao2viz.ui.dialogs import defaults_for
 from ao2viz.ui.downloads import tables_of
 from ao2viz.ui.exporting import Export, export_of
 from ao2viz.ui.look import ChartLook, Look
 from ao2viz.ui.reduce import run_command
 from ao2viz.ui.session import Form, Session
+from ao2viz.ui.settings import SettingRow, setting_rows
+from ao2viz.ui.shelf import folder_for
+from ao2viz.ui.walking import Walk, can_walk, walk_of
 from ao2viz.ui.watched import (
     agent_of,
     decision_of,
@@ -73,6 +78,8 @@ class View:
     seen: NDArray[np.float64] | None  # [T, D] the last few states, this moment's at the end.
     episode: Episode | None
     frame: bytes | None  # The run's own picture; None: take the episode's.
+    walk: Walk | None  # The stage of a single step that is shown.
+    can_walk: bool  # There is a next stage.
     notice: str  # Said in place of a sentence while there is no decision.
     transport: Transport
     recorded: tuple[Episode, ...]  # Those that can be gone to.
@@ -90,6 +97,11 @@ class View:
     is_error: bool
     form: Form
     env_ids: tuple[str, ...]
+    dialog: Dialog | None
+    folders: tuple[Path, ...]  # Where agents may go.
+    folder: Path  # Where they go.
+    upload: Path | None  # The file that waits for a yes before it is replaced.
+    settings: tuple[SettingRow, ...]  # Empty unless their dialog is open or one is typed.
     overwrite: Path | None
     history: NDArray[np.float64]
     seconds: NDArray[np.float64]  # [E] when its episodes ended; shorter or empty if not known.
@@ -137,6 +149,8 @@ def project(session: Session, world: World) -> View:
         seen=seen,
         episode=episode,
         frame=update.frame if is_run and episode is None else None,
+        walk=walk_of(session, world),
+        can_walk=can_walk(session, world),
         notice=_notice(session, world, episode, position),
         transport=Transport(
             position, last, session.is_playing, episode is not None, session.play_speed
@@ -156,6 +170,11 @@ def project(session: Session, world: World) -> View:
         is_error=update.is_error,
         form=session.form,
         env_ids=world.env_ids,
+        dialog=session.dialog,
+        folders=world.folders,
+        folder=folder_for(session, world),
+        upload=session.upload.path if session.upload is not None else None,
+        settings=_settings(session, world),
         overwrite=session.overwrite,
         history=history_of(session, world),
         seconds=update.seconds if is_run else np.empty(0),
@@ -165,6 +184,12 @@ def project(session: Session, world: World) -> View:
         focuses=session.focuses,
         selection_focuses=session.selection_focuses,
     )
+
+
+def _settings(session: Session, world: World) -> tuple[SettingRow, ...]:
+    if session.dialog is not Dialog.SETTINGS and not session.form.settings:
+        return ()
+    return setting_rows(session.form, defaults_for(session.form, world), world.update.config)
 
 
 def _enabled(status: RunStatus) -> frozenset[RunButton]:

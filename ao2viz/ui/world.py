@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ao2viz.store.saved import SavedAgent
 from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.defaults import Defaults
 
 
 @dataclass(frozen=True)
@@ -32,4 +33,6 @@ class World:
     opened: Mapping[Path, SavedAgent | LoadFailure] = field(default_factory=dict)  # Rest: loading.
     update: RunUpdate = field(default_factory=RunUpdate)
     folder: Path = field(default_factory=Path.cwd)  # Where agents are saved.
+    folders: tuple[Path, ...] = ()  # All that people may choose from for that.
+    defaults: Defaults = field(default_factory=dict)  # Settings that agents begin with.
     env_ids: tuple[str, ...] = ()  # Offered for training.

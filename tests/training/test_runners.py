@@ -11,8 +11,20 @@ import pytest
 from ao2viz import AO2, Preset
 from ao2viz.training import serve
 from ao2viz.training.runner import InlineRunner, ProcessRunner, ThreadRunner
-from ao2viz.training.serve import MAX_INTERVAL_S, MAX_SHARE, MIN_INTERVAL_S, Pace
-from ao2viz.training.states import Pause, Resume, RunEpisode, RunStatus, Save, SetSpeed, Start, Step
+from ao2viz.training.serve import MAX_INTERVAL_S, MIN_INTERVAL_S, SHORTEST_S, Pace
+from ao2viz.training.states import (
+    MAX_LEARNING,
+    MIN_LEARNING,
+    USUAL_LEARNING,
+    Pause,
+    Resume,
+    RunEpisode,
+    RunStatus,
+    Save,
+    SetSpeed,
+    Start,
+    Step,
+)
 from ao2viz.training.updates import RunUpdate
 from ao2viz.training.worker import Worker
 
@@ -268,10 +280,23 @@ def test_updates_come_at_most_ten_times_a_second():
 def test_updates_that_cost_much_come_rarely():
     pace = Pace()
     pace.note(0.0, 0.05)
-    assert pace.interval_s == pytest.approx(0.05 / MAX_SHARE)
+    assert pace.interval_s == pytest.approx(0.05 / (1 - USUAL_LEARNING))
     assert not pace.is_due(0.9)
     pace.note(2.0, 2.001)
     assert pace.interval_s == MIN_INTERVAL_S
+
+
+def test_the_share_of_learning_decides_how_much_is_shown():
+    intervals = []
+    for learning in (MAX_LEARNING, USUAL_LEARNING, 0.8, MIN_LEARNING):
+        pace = Pace(learning)
+        pace.note(0.0, 0.02)
+        intervals.append(pace.interval_s)
+        # Updates take no more than the rest, unless that would be less often than it must be.
+        assert 0.02 / pace.interval_s <= 1 - learning + 1e-9
+    assert intervals == sorted(intervals, reverse=True)
+    assert intervals[0] > 10 * intervals[-1]
+    assert Pace(MIN_LEARNING).interval_s == SHORTEST_S
 
 
 def test_one_slow_update_does_not_hide_the_next_for_long():
@@ -306,7 +331,7 @@ def test_showing_costs_training_little(monkeypatch):
     serve.serve(worker, receive, updates.append)
     took = time.perf_counter() - began
     assert len(updates) >= 3
-    assert spent < 3 * MAX_SHARE * took
+    assert spent < 3 * (1 - USUAL_LEARNING) * took
 
 
 def test_inline_shows_what_is_there_now():

@@ -9,12 +9,14 @@ from ao2viz import AO2, DecideBy, Preset
 from ao2viz.training.runner import InlineRunner
 from ao2viz.training.states import (
     TRANSITIONS,
+    ChangeSettings,
     Pause,
     Resume,
     RunEpisode,
     RunStatus,
     Save,
     SetDecideBy,
+    SetShare,
     SetSpeed,
     Start,
     Step,
@@ -24,7 +26,7 @@ from ao2viz.training.states import (
 from tests.training.workers import forests_equal, held, prepared, run, start
 
 ALL = [Start(), Resume(), Pause(), Step(), RunEpisode(), Stop(), SetSpeed(None),
-       SetDecideBy(DecideBy.PATH)]  # fmt: skip
+       SetShare(0.8), SetDecideBy(DecideBy.PATH), ChangeSettings({"slip": 0.1})]  # fmt: skip
 
 
 @pytest.mark.parametrize("status", RunStatus)
@@ -268,3 +270,33 @@ def test_what_is_shown_cannot_be_changed():
     run(worker)
     with pytest.raises(ValueError, match="read-only"):
         worker.update().forest.attention[0] = 1
+
+
+@pytest.mark.parametrize("learning", [0.49, 1.0, -1.0, float("nan")])
+def test_a_share_that_is_none_changes_nothing(learning):
+    worker = prepared()
+    worker.handle(SetShare(0.8))
+    worker.handle(SetShare(learning))
+    update = worker.update()
+    assert update.learning_share == worker.learning_share == 0.8
+    assert update.message == (
+        f"Expected from 50% to 99% of the time for learning, but got {learning}."
+    )
+
+
+def test_settings_change_in_the_middle_of_a_run_all_or_none():
+    worker = prepared()
+    worker.handle(ChangeSettings({"epsilon_end": 0.25, "slip": 0.1}))
+    changed = worker.update()
+    assert (changed.config.epsilon_end, changed.config.slip) == (0.25, 0.1)
+    assert not changed.is_error
+    for bad, words in (
+        ({"slip": 0.2, "epsilon_end": 7.0}, "epsilon_end between 0 and 1, but got 7.0"),
+        ({"slip": 0.2, "levels": 4}, "levels takes effect in a new run only"),
+        ({"slip": 0.2, "colour": 1}, "no setting 'colour'"),
+    ):
+        worker.handle(ChangeSettings(bad))
+        update = worker.update()
+        assert update.is_error
+        assert words in update.message
+        assert update.config == changed.config

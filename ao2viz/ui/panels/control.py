@@ -21,6 +21,7 @@ from ao2viz.ui.commands import (
     RunButton,
     SetTrainingSpeed,
 )
+from ao2viz.ui.dialog_commands import ChooseShare, Dialog, NextStage, OpenDialog
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.session import OTHER_ENV
@@ -35,6 +36,8 @@ _SPEEDS: dict[str, float | None] = {
     "10/s": 10.0,
     "3/s": 3.0,
 }
+_STAGE = "Takes a step and shows its stages one by one: sample, find, act, accommodate, …"
+_SHARES: dict[str, float] = {"99 %": 0.99, "95 %": 0.95, "80 %": 0.8, "50 %": 0.5}
 _BUTTONS: tuple[tuple[RunButton, str, viser.IconName, LiteralColor, HotkeyKey | None], ...] = (
     (RunButton.START, "Start", viser.Icon.PLAYER_PLAY, "green", "T"),
     (RunButton.PAUSE, "Pause", viser.Icon.PLAYER_PAUSE, "gray", "H"),
@@ -63,13 +66,22 @@ class ControlPanel:
         self._buttons: dict[RunButton, viser.GuiButtonHandle] = {}
         self._keys: dict[RunButton, viser.CommandHandle] = {}
         for i, (button, label, icon, color, key) in enumerate(_BUTTONS):
-            if i % 3 == 0:
-                gui.add_html(html.row(3))
+            if i in (0, 3):
+                gui.add_html(html.row(3 + i // 3))
             self._buttons[button] = handle = gui.add_button(label, icon=icon, color=color)
             on_click(handle, Press(button), client_id, inbox)
             command = gui.add_command(f"Training: {button.value}", hotkey=key, icon=icon)
             on_trigger(command, Press(button), client_id, inbox)
             self._keys[button] = command
+            if button is RunButton.STEP:
+                self._stage = gui.add_button(
+                    "Stage", icon=viser.Icon.STAIRS, color="gray", hint=_STAGE
+                )
+                on_click(self._stage, NextStage(), client_id, inbox)
+                self._stage_key = gui.add_command(
+                    "Training: one stage of a step", hotkey="N", modifier="shift"
+                )
+                on_trigger(self._stage_key, NextStage(), client_id, inbox)
         self._fields[Field.FILE_NAME] = gui.add_text("File name", "")
         self._question = gui.add_html("", visible=False)
         self._replace = gui.add_button("Replace it", color="orange", visible=False)
@@ -85,10 +97,30 @@ class ControlPanel:
             hint="path: the most similar option alone; vote: the most similar options together.",
         )
         on_change(self._decide_by, lambda v: ChooseDecideBy(DecideBy(v)), client_id, inbox)
+        gui.add_html(html.row(2))
+        self._share = gui.add_dropdown(
+            "Learning",
+            tuple(_SHARES),
+            initial_value="95 %",
+            hint="How much of the time is for learning; the rest is for showing it: less learning, "
+            "more pictures a second. What is learned stays the same.",
+        )
+        on_change(self._share, lambda v: ChooseShare(_SHARES[v]), client_id, inbox)
+        self._settings = gui.add_button("Settings", icon=viser.Icon.ADJUSTMENTS, color="gray")
+        on_click(self._settings, OpenDialog(Dialog.SETTINGS), client_id, inbox)
+        gui.add_html(html.row(2))
+        for label, icon, dialog in (
+            ("Library", viser.Icon.BOOKS, Dialog.LIBRARY),
+            ("Help", viser.Icon.HELP, Dialog.HELP),
+        ):
+            button = gui.add_button(label, icon=icon, color="gray")
+            on_click(button, OpenDialog(dialog), client_id, inbox)
         self._progress = gui.add_progress_bar(0.0)
         self._status = gui.add_html("")
         self._mirrors = {field: Mirror(handle) for field, handle in self._fields.items()}
         self._decide_by_shown = Mirror(self._decide_by)
+        self._share_shown = Mirror(self._share)
+        self._speed_shown = Mirror(self._speed)
         for field, handle in self._fields.items():
             on_change(handle, partial(Edit, field), client_id, inbox)
 
@@ -102,6 +134,7 @@ class ControlPanel:
         self._fields[Field.CUSTOM_ENV].visible = form.env == OTHER_ENV
         for button, handle in self._buttons.items():
             handle.disabled = self._keys[button].disabled = button not in view.enabled
+        self._stage.disabled = self._stage_key.disabled = not view.can_walk
         pause = self._buttons[RunButton.PAUSE]
         is_held = run.status in (RunStatus.PAUSED, RunStatus.FAILED)
         label = "Go on" if is_held else "Pause"
@@ -111,6 +144,10 @@ class ControlPanel:
         self._decide_by.disabled = not view.can_choose_decide_by
         if view.can_choose_decide_by:
             self._decide_by_shown.show(run.decide_by.value)
+        told = {value: words for words, value in _SHARES.items()}
+        self._share_shown.show(told.get(run.learning_share, "95 %"))
+        speeds = {value: words for words, value in _SPEEDS.items()}
+        self._speed_shown.show(speeds.get(run.speed, "full"))
         self._progress.value = 100 * _progress(run)
         self._question.visible = self._replace.visible = self._keep.visible = (
             view.overwrite is not None
@@ -120,7 +157,8 @@ class ControlPanel:
                 f'<div class="ao"><p>There is a file {html.esc(view.overwrite.name)} already. '
                 "Replace it?</p></div>"
             )
-        shown = (view.status, view.is_error, run.n_steps, run.steps_per_s, run.eta_s, run.run_id)
+        facts = (run.n_steps, run.steps_per_s, run.eta_s, run.run_id)
+        shown = (view.status, view.is_error, *facts, view.settings)
         if shown != self._shown:
             self._shown = shown
             self._status.content = _status(view)
@@ -146,6 +184,10 @@ def _status(view: View) -> str:
         if len(run.history):
             facts.append(f"{count(len(run.history), 'episode')}")
         lines.append(f'<p class="ao-dim ao-run">{" · ".join(facts)}</p>')
+    differing = [f"{row.setting.name} {row.text}" for row in view.settings if row.differs]
+    if differing:
+        told = html.esc(", ".join(differing))
+        lines.append(f'<p class="ao-dim">A new run differs from the defaults: {told}</p>')
     return f'<div class="ao">{"".join(lines)}</div>'
 
 

@@ -7,7 +7,8 @@ import viser
 from viser._messages import HotkeyKey
 
 from ao2viz.explain.ahead import Ahead
-from ao2viz.ui import html, html_reasons
+from ao2viz.recording.cycle import Stage
+from ao2viz.ui import html, html_cycle, html_reasons
 from ao2viz.ui.commands import (
     ChooseEpisode,
     ChooseSource,
@@ -72,6 +73,7 @@ class WatchPanel:
         self._source_shown = Mirror(self._source)
         self._episode_shown = Mirror(self._episode)
         self._slider_shown = Mirror(self._slider)
+        self._cycle = gui.add_html("")
         self._decision = gui.add_html("")
         self._path = gui.add_html("")
         self._ahead = gui.add_html("")
@@ -138,10 +140,23 @@ class WatchPanel:
 
     def _sync_words(self, view: View, problem: str) -> None:
         supposes = view.supposed is not None
-        said = (view.decision, supposes, view.notice, problem, view.forest_key, view.run.status)
+        moment = (view.decision, supposes, view.notice, problem, view.forest_key)
+        walk = None if supposes else view.walk
+        shown = (None, None) if walk is None else (walk.cycle, walk.stage)
+        said = (*moment, view.run.status, *shown)
         if all(a is b or a == b for a, b in zip(said, self._said, strict=False)) and self._said:
             return
         self._said = said
+        self._cycle.content = ""
+        if walk is not None and view.spec is not None and view.forest is not None:
+            self._cycle.content = html_cycle.cycle_stages(walk, view.spec, view.forest)
+            has_acted = walk.stage.number >= Stage.ACT.number
+            has_found = walk.stage.number >= Stage.FIND.number
+            told = html.decision(walk.cycle.decision, view.spec, view.forest)
+            path = html.path(walk.cycle.decision, view.spec, view.forest)
+            self._decision.content = told if has_acted else ""
+            self._path.content = path if has_found else ""
+            return
         if view.decision is not None and view.spec is not None:
             self._decision.content = html.decision(view.decision, view.spec, view.forest)
             self._path.content = html.path(view.decision, view.spec, view.forest)
