@@ -70,8 +70,9 @@ class WhatIfPanel:
         """Shows what is known by now."""
         self._sync_search(view, answer, jobs)
         self._reset.disabled = view.supposed is None
-        for dial in self._dials:
-            dial.visible = answer is not None
+        # Hides all dials as one: what is changed and removed within one message to the browser, as
+        # a dial is when the run goes on, is an error there.
+        self._place.visible = answer is not None
         if answer is None or view.spec is None or view.observation is None:
             self._answer = None
             self._said = ()
@@ -193,16 +194,6 @@ class _DialRow:
         self._buttons = [gui.add_button("–", color="gray", disabled=True) for _ in range(2)]
         for place, button in enumerate(self._buttons):
             on_press(button, partial(self._to_flip, place), client_id, inbox)
-
-    @property
-    def visible(self) -> bool:
-        """Whether it is shown."""
-        return self._slider.visible
-
-    @visible.setter
-    def visible(self, is_shown: bool) -> None:
-        for handle in (self._heading, self._slider, self._row, *self._buttons):
-            handle.visible = is_shown
 
     def sync(self, value: float, seen: float, flips: Flips | None) -> None:
         """Shows a value in environment units, what was seen, and where the action flips."""
