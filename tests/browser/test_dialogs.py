@@ -71,22 +71,27 @@ def test_an_agent_is_uploaded_watched_and_downloaded(
     source = tmp_path / "sent" / "sent.ao2"
     source.parent.mkdir()
     source.write_bytes((shipped / "Pendulum-v1.ao2").read_bytes())
-    picker = window.page.get_by_role("dialog").locator("input[type=file]")
-    picker.set_input_files(source)
+
+    def upload():
+        with window.page.expect_file_chooser() as chooser:
+            window.press("Upload an agent (.ao2)")
+        chooser.value.set_files(source)
+
+    upload()
     kept = tmp_path / "sent.ao2"
     window.wait(kept.exists, "the uploaded file")
     assert kept.read_bytes() == source.read_bytes()
     window.wait_for_text("sent.ao2: Pendulum-v1")
     written = kept.stat().st_mtime_ns
 
-    picker.set_input_files(source)
+    upload()
     window.wait_for_text("There is a file sent.ao2 already")
     window.press("Keep what is there")
     window.wait(lambda: window.view.upload is None, "the answer")
     assert kept.stat().st_mtime_ns == written
 
     source.write_bytes(b"PK no agent")
-    picker.set_input_files(source)
+    upload()
     window.press("Replace the file")
     window.wait_for_text("Could not open 'sent.ao2'")
     assert kept.stat().st_mtime_ns == written
