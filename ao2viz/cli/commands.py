@@ -7,7 +7,7 @@ import typer
 
 from ao2viz.cli.console import say
 from ao2viz.cli.experiments import paper, results, sweep
-from ao2viz.cli.options import AgentFile, Env, Json
+from ao2viz.cli.options import AgentFile, Env, Json, StepOf
 from ao2viz.core.config import Preset
 from ao2viz.explain.questions import Question
 from ao2viz.exports.formats import ABOUT, Format
@@ -62,11 +62,16 @@ def open_app(
         list[Path] | None,
         typer.Option(help="Folder to save to and open from; more than one leaves the choice."),
     ] = None,
+    episode: Annotated[
+        int | None, typer.Option(min=0, help="The recorded episode to open, counted from 0.")
+    ] = None,
+    step: StepOf = None,
 ) -> None:
     """Open the dashboard in the browser. Ctrl-C stops it."""
     from ao2viz.cli.dashboard import run  # noqa: PLC0415 -- heavy.
 
-    run(file, host=host, port=port, open_browser=not no_browser, folders=folder or ())
+    moment = (episode, step)
+    run(file, moment, host=host, port=port, open_browser=not no_browser, folders=folder or ())
 
 
 @app.command()
@@ -241,9 +246,7 @@ def explain(
         int | None,
         typer.Option(min=0, help="The recorded episode, counted from 0; otherwise the latest."),
     ] = None,
-    step: Annotated[
-        int | None, typer.Option(min=0, help="Its step, counted from 0; otherwise the first.")
-    ] = None,
+    step: StepOf = None,
     observation: Annotated[
         str | None,
         typer.Option(metavar="X,Y,…", help="Ask about what it would do, seeing this, instead."),

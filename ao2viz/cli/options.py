@@ -15,3 +15,6 @@ Env = Annotated[
     ),
 ]
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON value instead of text.")]
+StepOf = Annotated[
+    int | None, typer.Option(min=0, help="Its step, counted from 0; otherwise the first.")
+]

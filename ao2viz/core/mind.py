@@ -107,18 +107,7 @@ class Mind:
 
         It cannot think ahead either: if the config says so, the mind goes by the outlook.
         """
-        state = {
-            "values": view.values,
-            "parents": view.parents.astype(np.int32),
-            "is_alive": view.is_alive,
-            "born": view.born,
-            "weights": view.weights,
-            "visits": view.visits.astype(np.int32),
-            "links": view.links.astype(np.int32),
-            "attention": view.attention,
-            "revision": np.array(view.revision, np.int64),
-        }
-        return cls(config, state)
+        return cls(config, state_of(view))
 
     def copy(self) -> "Mind":
         """Another mind of the same contents, for another thread."""
@@ -259,6 +248,21 @@ class Mind:
             self.forest.reserve(0)
             columns = self.forest.columns
             index_option(columns.places, columns.scaled, option)
+
+
+def state_of(view: ForestView) -> dict[str, NDArray]:
+    """A forest alone as the arrays that a mind is made of."""
+    return {
+        "values": view.values,
+        "parents": view.parents.astype(np.int32),
+        "is_alive": view.is_alive,
+        "born": view.born,
+        "weights": view.weights,
+        "visits": view.visits.astype(np.int32),
+        "links": view.links.astype(np.int32),
+        "attention": view.attention,
+        "revision": np.array(view.revision, np.int64),
+    }
 
 
 @compiled

@@ -67,7 +67,7 @@ def explain(decision: Decision, spec: TaskSpec, view: ForestView | None = None) 
     if len(decision.voters) == 0:
         how = "it was drawn at random" if decision.explored else "nothing spoke for another action"
         return Explanation(action, f"There were no options to ask yet, so {how}.", tuple(marks))
-    if _is_close(decision):
+    if is_close(decision):
         marks.append("close call")
     if _changed_its_mind(decision):
         marks.append("changed its mind")
@@ -238,7 +238,8 @@ def _gap(feature: Feature, seen: float, known: float, share: float) -> Gap:
     return Gap(feature.name, amount(seen, feature), amount(known, feature), share)
 
 
-def _is_close(decision: Decision) -> bool:
+def is_close(decision: Decision) -> bool:
+    """Whether it was a close call: chosen, not drawn or tied, by less than `CLOSE_CALL`."""
     if decision.explored or decision.is_tie or len(decision.action_values) < 2:
         return False
     scale = float(np.abs(decision.action_values).max())

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.config import PaperConfig
+from ao2viz.core.config import Config, PaperConfig
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.mind import Mind
 from ao2viz.explain.faithful import Faithfulness
@@ -133,7 +133,11 @@ class Novelty:
 
 def radius_of(mind: Mind) -> float:
     """Up to which distance a state belongs to an option: beyond, learning would make a new one."""
-    config = mind.config
+    return radius_in(mind.config)
+
+
+def radius_in(config: Config) -> float:
+    """The same, by an agent's settings alone."""
     if isinstance(config, PaperConfig):
         return 1.0 - config.threshold
     return 0.5**config.levels

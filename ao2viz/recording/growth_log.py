@@ -1,12 +1,16 @@
 """Every change of a forest's structure, in order, as compact arrays."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.growth import GrowthEvent, GrowthKind
+from ao2viz.recording.snapshots import Snapshots
+
+PREFIX = "snapshot_"
+"""Stands before the names of the snapshots' arrays among those of the log."""
 
 MAX_EVENTS = 4_000_000
 """The log keeps this many of the newest events; about 68 MB."""
@@ -19,11 +23,13 @@ _DTYPE = np.dtype(
 class GrowthLog:
     """The life of a forest: growable, one owner; `to_arrays` gives a frozen copy.
 
+    Events tell all of its structure; `snapshots` keep what it knew at some moments.
     Past `max_events` the oldest half is dropped and counted in `dropped`.
     """
 
     def __init__(self, max_events: int = MAX_EVENTS) -> None:
         self.dropped = 0
+        self.snapshots = Snapshots()
         self._max_events = max_events
         self._events = np.empty(1024, _DTYPE)
         self._count = 0
@@ -46,16 +52,22 @@ class GrowthLog:
             self._count += 1
 
     def to_arrays(self) -> dict[str, NDArray]:
-        """Columns `step`, `kind`, `option` and `parent`, one row an event; `from_arrays` reads."""
+        """Columns `step`, `kind`, `option` and `parent`, one row an event; then the snapshots.
+
+        `from_arrays` reads them.
+        """
         kept = self._events[: self._count]
-        return {name: kept[name].copy() for name in _DTYPE.names or ()}
+        events = {name: kept[name].copy() for name in _DTYPE.names or ()}
+        known = self.snapshots.to_arrays()
+        return events | {f"{PREFIX}{name}": array for name, array in known.items()}
 
     @classmethod
     def from_arrays(cls, arrays: dict[str, NDArray], dropped: int = 0) -> "GrowthLog":
         """The log that `to_arrays` wrote.
 
         Raises:
-            ValueError: If columns differ in length or hold a kind or an id that cannot be.
+            ValueError: If columns differ in length or hold a kind or an id that cannot be, or the
+                snapshots are not sound.
         """
         columns = {name: arrays[name] for name in _DTYPE.names or ()}
         count = len(columns["step"])
@@ -77,6 +89,7 @@ class GrowthLog:
         for name, column in columns.items():
             log._events[name][:count] = column
         log._count = count
+        log.snapshots = Snapshots.from_arrays(snapshot_arrays(arrays))
         return log
 
     def _make_room(self) -> None:
@@ -88,3 +101,12 @@ class GrowthLog:
         grown = np.empty(size, _DTYPE)
         grown[:keep] = self._events[self._count - keep : self._count]
         self._events, self._count = grown, keep
+
+
+def snapshot_arrays(growth: Mapping[str, NDArray]) -> dict[str, NDArray]:
+    """The part of a growth log's arrays that is its snapshots, by their own names."""
+    return {
+        name.removeprefix(PREFIX): array
+        for name, array in growth.items()
+        if name.startswith(PREFIX)
+    }

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.config import make_config
 from ao2viz.envs.motion import check_smoothing
-from ao2viz.recording.growth_log import GrowthLog
+from ao2viz.recording.growth_log import PREFIX, GrowthLog
 from ao2viz.store.archive import ArchiveReader, ArchiveWriter
 from ao2viz.store.episodes import episode_from_arrays, episode_to_arrays
 from ao2viz.store.errors import AgentFileError
@@ -222,7 +222,8 @@ def _history(arrays: Mapping[str, NDArray]) -> NDArray[np.float64]:
 
 
 def _growth(arrays: dict[str, NDArray], dropped: int) -> dict[str, NDArray]:
-    types = {name: array.dtype.name for name, array in arrays.items()}
+    events = {name: array for name, array in arrays.items() if not name.startswith(PREFIX)}
+    types = {name: array.dtype.name for name, array in events.items()}
     if types != _GROWTH_TYPES:
         raise AgentFileError(f"Expected the growth log as {_GROWTH_TYPES}, but it is {types}.")
     try:

@@ -1,5 +1,6 @@
 """What an agent file holds, in memory."""
 
+import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -14,6 +15,7 @@ from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.recording.episode import Episode
+from ao2viz.recording.past import find_depths
 from ao2viz.store.errors import AgentFileError
 
 MAX_DEPTH = 10_000
@@ -29,6 +31,8 @@ class Learned:
 
     config: Config
     state: Mapping[str, NDArray]  # What `Learner.set_state` takes.
+    growth: Mapping[str, NDArray]  # How it came to be: columns as in `GrowthLog`.
+    growth_dropped: int  # Growth events too old to be kept.
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +46,7 @@ class SavedAgent:
     state: Mapping[str, NDArray]  # What `Learner.set_state` takes.
     generator: Generator
     history: NDArray[np.float64]  # [E, 4] as in `History`.
-    growth: Mapping[str, NDArray]  # Columns as in `GrowthLog`.
+    growth: Mapping[str, NDArray]  # Columns as in `GrowthLog`, snapshots included.
     growth_dropped: int  # Growth events too old to be kept.
     episodes: tuple[Episode, ...]
     created_at: str = ""  # ISO 8601 in UTC; set when written.
@@ -56,7 +60,7 @@ class SavedAgent:
     @cached_property
     def learned(self) -> Learned:
         """What it has learned, always the same object."""
-        return Learned(self.config, self.state)
+        return Learned(self.config, self.state, self.growth, self.growth_dropped)
 
     def forest_view(self) -> ForestView:
         """Its forest, without an environment and without compiling anything.
@@ -140,16 +144,10 @@ def _depths(parents: NDArray[np.int64], is_alive: NDArray[np.bool_]) -> NDArray[
     has_parent = is_alive & (parents != NO_OPTION)
     if not is_alive[parents[has_parent]].all():
         raise ValueError("expected every parent to be a living option.")
-    # Each round doubles how far every option has climbed; NO_OPTION is kept in the last place.
-    climbed = np.append(has_parent, False).astype(np.int64)
-    ancestors = np.append(np.where(has_parent, parents, -1), -1)
-    for _ in range(MAX_DEPTH.bit_length() + 1):
-        if (ancestors == NO_OPTION).all():
-            break
-        climbed += climbed[ancestors]
-        ancestors = ancestors[ancestors]
-    if not (ancestors == NO_OPTION).all() or climbed.max(initial=0) > MAX_DEPTH:
-        raise ValueError(
-            f"expected trees at most {MAX_DEPTH:,} deep, but some are deeper or lead in a circle."
-        )
-    return climbed[:-1]
+    with contextlib.suppress(ValueError):
+        depths = find_depths(parents, is_alive)
+        if depths.max(initial=0) <= MAX_DEPTH:
+            return depths
+    raise ValueError(
+        f"expected trees at most {MAX_DEPTH:,} deep, but some are deeper or lead in a circle."
+    )

@@ -192,7 +192,7 @@ class Stepper:
             next_seed: Gives the seed of each episode; called once before each.
             learns: False plays greedily and leaves the learner as it is.
             history: Gets a summary of every finished episode.
-            growth: Gets every growth event.
+            growth: Gets every growth event, and a snapshot now and then.
         """
         self._env = env
         self._spec = spec
@@ -229,6 +229,8 @@ class Stepper:
         the next call begins a fresh episode.
         """
         events = self._reset() if self._needs_reset else ()
+        if self._learns:
+            self._keep_snapshot()
         # Until this step is through, any error makes the next one begin afresh.
         self._needs_reset = True
         learner = self._learner
@@ -295,6 +297,12 @@ class Stepper:
             self._history.append(
                 EpisodeSummary(result.n_steps, self._total, len(self._rewards), self._n_options)
             )
+
+    def _keep_snapshot(self) -> None:
+        """Before the step rather than after it, when all that belongs to the last one is done."""
+        n_steps = self._learner.n_steps
+        if self._growth is not None and self._growth.snapshots.is_due(n_steps):
+            self._growth.snapshots.take(self._learner.view(), n_steps)
 
     def _note(self, events: tuple[GrowthEvent, ...]) -> None:
         for event in events:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from ao2viz.envs.motion import Motion
 from ao2viz.envs.task import TaskSpec, make_env
 from ao2viz.recording.episode import Episode
+from ao2viz.training.branching import check_repeats
 from ao2viz.training.loop import reset, step
 
 
@@ -42,9 +43,5 @@ def _replay(env: gym.Env, episode: Episode, spec: TaskSpec) -> Iterator[None]:
     for t in range(len(episode) + 1):
         if t > 0:
             observation = step(env, spec, motion, int(episode.actions[t - 1]))[0]
-        if not np.allclose(observation, episode.observations[t], rtol=1e-6, atol=1e-9):
-            raise ValueError(
-                f"{episode.env_id} no longer repeats this recording: step {t} came out "
-                f"differently. It may be another version."
-            )
+        check_repeats(episode, t, observation)
         yield

@@ -11,7 +11,6 @@ import numpy as np
 
 from ao2viz.agent import AO2
 from ao2viz.recording.cycle import Cycle
-from ao2viz.store.saved import Learned
 from ao2viz.training.frames import draw
 from ao2viz.training.loop import Stepper, cycle_of
 from ao2viz.training.making import in_words, make_agent
@@ -190,7 +189,7 @@ class Worker:
             forest=agent.forest,
             decision=None if stepper.last is None else stepper.last.decision,
             frame=self._draw(),
-            learned=Learned(agent.config, agent.to_saved().state) if holds else None,
+            learned=agent.to_saved().learned if holds else None,
             episode=stepper.episode() if holds else None,
             cycle=self._cycle if holds else None,
         )

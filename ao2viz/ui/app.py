@@ -18,6 +18,7 @@ from ao2viz.envs.catalogue import CATALOGUE
 from ao2viz.training.runner import ProcessRunner, Runner
 from ao2viz.training.states import RunCommand, RunStatus, Start
 from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.branches import Brancher
 from ao2viz.ui.browser import Browser
 from ao2viz.ui.commands import Select
 from ao2viz.ui.copies import Copies, read_agent
@@ -29,10 +30,11 @@ from ao2viz.ui.gallery import Gallery
 from ao2viz.ui.inbox import Connect, Disconnect, Inbox
 from ao2viz.ui.jobs import Begin
 from ao2viz.ui.library import Library
+from ao2viz.ui.places import open_place
 from ao2viz.ui.questions import CallOff
 from ao2viz.ui.reduce import Effect, PickOption, advance, follow, reduce
-from ao2viz.ui.security import make_server, make_token
-from ao2viz.ui.session import Form, Session
+from ao2viz.ui.security import asked_query, make_server, make_token
+from ao2viz.ui.session import Form, Session, Wanted
 from ao2viz.ui.shelf import KeepUpload, SendAgent
 from ao2viz.ui.stage import Stage
 from ao2viz.ui.thinker import Thinker
@@ -60,6 +62,7 @@ class Dashboard:
         shipped: Path | None = None,
         make_runner: Callable[[], Runner] = ProcessRunner,
         env_ids: tuple[str, ...] = tuple(CATALOGUE),
+        wanted: Wanted | None = None,
     ) -> None:
         """Makes a dashboard; nothing listens before `start`.
 
@@ -72,6 +75,7 @@ class Dashboard:
             shipped: The folder of the bundled agents; None: the one that comes with ao2viz.
             make_runner: Makes what trains.
             env_ids: The environments offered by name.
+            wanted: The episode and step that a page opens with, unless its address asks for more.
         """
         self._host, self._wanted_port = host, port
         self._token = make_token() if host not in ("127.0.0.1", "localhost", "::1") else None
@@ -82,11 +86,13 @@ class Dashboard:
         self._library = Library(shipped, self._folder, extra, more_folders)
         self._copies = Copies(self._folder)
         self._env_ids = env_ids
+        self._wanted = wanted
         self._inbox = Inbox()
         self._frames = FrameStore()
         self._gallery = Gallery()
         self._thinker = Thinker()
         self._defaults = DefaultsStore()
+        self._brancher = Brancher()
         self._browsers: dict[int, Browser] = {}
         self._sessions: dict[int, Session] = {}
         folders = tuple(dict.fromkeys((self._folder, *more_folders)))
@@ -123,11 +129,12 @@ class Dashboard:
         """Begins to listen; returns at once."""
         server = self._server = make_server(self._host, self._wanted_port, self._token)
         self._stage = Stage(server)
+        self._world = replace(self._world, address=self.address)
         self._loop = threading.Thread(target=self._run, name="app loop", daemon=True)
 
         @server.on_client_connect
         async def _(client: viser.ClientHandle) -> None:
-            self._inbox.put(client.client_id, Connect())
+            self._inbox.put(client.client_id, Connect(asked_query()))
 
         @server.on_client_disconnect
         async def _(client: viser.ClientHandle) -> None:
@@ -148,6 +155,7 @@ class Dashboard:
         for browser in list(self._browsers.values()):
             browser.jobs.close()
         self._defaults.close()
+        self._brancher.close()
         self._library.close()
         if self._server is not None:
             with contextlib.redirect_stdout(None):
@@ -169,7 +177,7 @@ class Dashboard:
         self._refresh_world(now)
         for client_id, command in self._inbox.drain():
             if isinstance(command, Connect):
-                self._connect(client_id)
+                self._connect(client_id, command.query)
             elif isinstance(command, Disconnect):
                 gone = self._browsers.pop(client_id, None)
                 if gone is not None:
@@ -228,6 +236,9 @@ class Dashboard:
                 self._world = replace(self._world, shelf=shelf)
         if has_news:
             self._world = replace(self._world, opened=self._library.opened)
+        wishes = [s.wish for s in self._sessions.values() if s.wish is not None]
+        if wishes or self._world.branched:
+            self._world = replace(self._world, branched=self._brancher.play(wishes))
 
     def _tell_about(self, before: RunUpdate, update: RunUpdate) -> None:
         """Pops up what people must not miss: failures, refusals and where a file went."""
@@ -239,13 +250,15 @@ class Dashboard:
             self._relist_at = 0.0
             self._tell_all(Notify("Saved", update.message))
 
-    def _connect(self, client_id: int) -> None:
+    def _connect(self, client_id: int, query: str) -> None:
         assert self._server is not None
         assert self._stage is not None
         client = self._server.get_clients().get(client_id)
         if client is None:  # Gone again already.
             return
-        self._sessions[client_id] = self._first_session()
+        session = self._first_session()
+        session = open_place(session, query, self._world.shelf)
+        self._sessions[client_id] = session
         self._browsers[client_id] = Browser(client, self._stage, self._inbox)
 
     def _first_session(self) -> Session:
@@ -257,9 +270,9 @@ class Dashboard:
             return Session(source=None, is_playing=False, form=form)
         first = next((i for i in shelf if i.label.startswith(_FIRST)), shelf[0])
         if self._library.extra is not None:
-            return Session(source=shelf[0].path, form=form)
+            return Session(source=shelf[0].path, form=form, wanted=self._wanted)
         # Nobody has asked for this one, so it does not say what to train either.
-        return Session(source=first.path, form=form, form_source=first.path)
+        return Session(source=first.path, form=form, form_source=first.path, wanted=self._wanted)
 
     def _perform(self, client_id: int, effect: Effect) -> None:
         match effect:
@@ -323,6 +336,7 @@ def serve(
     *,
     folder: Path | None = None,
     more_folders: tuple[Path, ...] = (),
+    wanted: Wanted | None = None,
 ) -> None:
     """Serves the dashboard until Ctrl-C, and says in the terminal where and what.
 
@@ -333,12 +347,18 @@ def serve(
         open_browser: Whether to open the page.
         folder: Where agents are saved; None: the working directory.
         more_folders: Further folders that people may choose to save to.
+        wanted: The episode and step to open with.
 
     Raises:
         KeyboardInterrupt: On Ctrl-C, after everything was stopped.
     """
     dashboard = Dashboard(
-        agent_path, host=host, port=port, folder=folder, more_folders=more_folders
+        agent_path,
+        host=host,
+        port=port,
+        folder=folder,
+        more_folders=more_folders,
+        wanted=wanted,
     )
     dashboard.start()
     try:

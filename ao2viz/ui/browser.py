@@ -2,7 +2,7 @@
 
 import viser
 
-from ao2viz.core.decision import NO_OPTION
+from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.explain.ahead import Ahead
 from ao2viz.ui.camera import Eye
 from ao2viz.ui.downloads import Notify, SaveFile
@@ -12,6 +12,7 @@ from ao2viz.ui.inbox import Inbox, on_canvas_click
 from ao2viz.ui.jobs import Jobs
 from ao2viz.ui.look import Requests
 from ao2viz.ui.overlay import Moment, Overlay, overlay
+from ao2viz.ui.panels.branch import BranchPanel
 from ao2viz.ui.panels.charts import ChartsPanel
 from ao2viz.ui.panels.compare import ComparePanel
 from ao2viz.ui.panels.control import ControlPanel
@@ -20,8 +21,11 @@ from ao2viz.ui.panels.export import ExportPanel
 from ao2viz.ui.panels.forest import ForestPanel
 from ao2viz.ui.panels.inspect import InspectPanel
 from ao2viz.ui.panels.legend import LegendPanel
+from ao2viz.ui.panels.moments import MomentsPanel
+from ao2viz.ui.panels.past import PastPanel
 from ao2viz.ui.panels.watch import WatchPanel
 from ao2viz.ui.panels.what_if import WhatIfPanel
+from ao2viz.ui.panels.why import WhyPanel
 from ao2viz.ui.picture import Picture
 from ao2viz.ui.scene import Canvas
 from ao2viz.ui.stage import Stage
@@ -29,6 +33,7 @@ from ao2viz.ui.staging import at_stage
 from ao2viz.ui.supposing import Answer, Supposing
 from ao2viz.ui.thinker import Thinker
 from ao2viz.ui.view import View
+from ao2viz.ui.watched import learned_at
 
 
 class Browser:
@@ -41,10 +46,19 @@ class Browser:
         self._picture: Picture | None = None
         self._overlay: tuple[tuple[object, ...], Overlay | None] = ((), None)
         self._raw_frame: bytes | None = None
+        self._then: Decision | None = None  # What a past agent would decide.
         with client.atomic():
             self._control = ControlPanel(gui, me, inbox)
             with stage.watch:
                 self._watch = WatchPanel(gui, me, inbox)
+            with stage.why:
+                self._why = WhyPanel(gui)
+            with stage.moments:
+                self._moments = MomentsPanel(gui, me, inbox)
+            with stage.branch:
+                self._branch = BranchPanel(gui, me, inbox)
+            with stage.past:
+                self._past = PastPanel(gui, me, inbox)
             with stage.inspect:
                 self._inspect = InspectPanel(gui, me, inbox)
             with stage.forest:
@@ -69,21 +83,32 @@ class Browser:
         """Brings the screen up to date with the view."""
         frame, problem = self._frame(view, frames)
         ahead = _ahead_of(view, thinker)
-        self._watch.sync(view, frame, problem, ahead)
         answer = self._supposing.ask(view, thinker)
         self._what_if.sync(view, answer, self.jobs)
         self._compare.sync(view, thinker, frames, self.jobs)
         file = self._export.sync(view, self.jobs)
         if file is not None:
             self.hand_over(file)
+        self._watch.sync(view, frame)
+        self._why.sync(view, problem, ahead)
+        self._moments.sync(view)
+        self._branch.sync(view)
+        self._then = _decision_then(view, thinker)
+        self._past.sync(view, self._then)
         self._control.sync(view)
         self._inspect.sync(view, thinker)
         self._forest.sync(view)
         self.picture_key = None
         self._picture = None
         if view.forest is not None and view.spec is not None:
-            self.picture_key = (view.forest_key, view.look)
-            self._picture = gallery.get(view.forest_key, view.forest, view.spec, view.look)
+            key, back = view.forest_key, view.back
+            if back is not None:
+                key = (f"past {key[0]}", *key[1:])
+                forest = back.moment.view
+                self._picture = gallery.get_past(key, back.past, forest, view.spec, view.look)
+            else:
+                self._picture = gallery.get(key, view.forest, view.spec, view.look)
+            self.picture_key = (key, view.look)
         lens = self._eye.look()
         self._legend.sync(view, self._picture)
         self._canvas.sync(self._picture, self._overlay_of(view, ahead, answer), lens)
@@ -106,7 +131,7 @@ class Browser:
             notice.title,
             notice.body,
             color="red" if notice.is_error else "blue",
-            auto_close_seconds=None if notice.is_error else 6.0,
+            auto_close_seconds=None if notice.is_error or notice.stays else 6.0,
         )
 
     def _frame(self, view: View, frames: FrameStore) -> tuple[bytes | None, str]:
@@ -122,7 +147,11 @@ class Browser:
 
     def _overlay_of(self, view: View, ahead: Ahead | None, answer: Answer | None) -> Overlay | None:
         moment = Moment(view.decision, view.selected, view.seen, ahead)
-        if answer is not None and answer.is_supposed:
+        forest = view.forest
+        if view.back is not None:
+            forest = view.back.moment.view
+            moment = Moment(self._then, view.selected, view.seen)
+        elif answer is not None and answer.is_supposed:
             way = answer.ahead if isinstance(answer.ahead, Ahead) else None
             seen = answer.state[None]
             moment = Moment(answer.decision, view.selected, seen, way, is_supposed=True)
@@ -142,12 +171,24 @@ class Browser:
         ):
             return self._overlay[1]
         drawn = None
-        if self._picture is not None and view.spec is not None and view.forest is not None:
-            drawn = overlay(moment, self._picture, view.forest, view.spec)
+        if self._picture is not None and view.spec is not None and forest is not None:
+            drawn = overlay(moment, self._picture, forest, view.spec)
             if walk is not None:
                 drawn = at_stage(drawn, walk, self._picture)
         self._overlay = (inputs, drawn)
         return drawn
+
+
+def _decision_then(view: View, thinker: Thinker) -> Decision | None:
+    """What the past agent that is shown would decide at the state of the replay."""
+    back = view.back
+    if back is None or back.moment.snapshot is None:
+        return None
+    if view.observation is None or view.config is None:
+        return None
+    learned = learned_at(back.past, back.moment.snapshot, view.config)
+    answer = thinker.decision(learned, view.observation)
+    return answer if isinstance(answer, Decision) else None
 
 
 def _ahead_of(view: View, thinker: Thinker) -> Ahead | None:

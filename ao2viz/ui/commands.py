@@ -23,6 +23,7 @@ from ao2viz.ui.questions import (
     Suppose,
     SupposeState,
 )
+from ao2viz.ui.replay_commands import ReplayCommand, SetPlaySpeed, ShowMoment
 
 
 class Transport(Enum):
@@ -89,13 +90,6 @@ class Seek:
 
 
 @dataclass(frozen=True)
-class SetPlaySpeed:
-    """How fast a recorded episode plays: a factor of the usual pace."""
-
-    factor: float
-
-
-@dataclass(frozen=True)
 class ChooseSource:
     """Watches a saved agent, or with None the training run."""
 
@@ -151,14 +145,6 @@ class GoBack:
 @dataclass(frozen=True)
 class GoForward:
     """Undoes a return."""
-
-
-@dataclass(frozen=True)
-class ShowMoment:
-    """Shows a step of a recorded episode."""
-
-    episode: int
-    step: int
 
 
 @dataclass(frozen=True)
@@ -297,6 +283,7 @@ Command = (
     Move
     | Seek
     | SetPlaySpeed
+    | ReplayCommand
     | ChooseSource
     | ChooseEpisode
     | Pick

@@ -19,6 +19,7 @@ class Notify:
     title: str
     body: str
     is_error: bool = False
+    stays: bool = False  # Until it is closed, as errors do.
 
 
 @dataclass(frozen=True)

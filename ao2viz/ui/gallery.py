@@ -13,6 +13,7 @@ from ao2viz.envs.task import TaskSpec
 from ao2viz.figures.coloring import Coloring, find_agreement
 from ao2viz.layout.discs import Layout, has_crowded, has_regrown, lay_out
 from ao2viz.layout.state_space import Axes, extend_axes, fit_axes
+from ao2viz.recording.past import Past
 from ao2viz.ui.look import Look
 from ao2viz.ui.picture import Ground, Picture, draw
 from ao2viz.ui.view import ForestKey
@@ -79,6 +80,22 @@ class Gallery:
             agreement = self._agreement.get(key, laid.view)
         picture = self._draw((key, look), laid, spec, agreement)
         return self._glide(key, picture, began)
+
+    def get_past(
+        self, key: ForestKey, past: Past, view: ForestView, spec: TaskSpec, look: Look
+    ) -> Picture:
+        """The picture of a past moment; every option stands where it stands at every moment."""
+        ground_key = (key, () if look.arrangement.is_of_discs else look.axes)
+        laid = self._laid.get(ground_key)
+        if laid is None or laid.view is not past.ever:
+            ground = self._lay(key, past.ever, look, None)
+            laid = self._laid[ground_key] = _Laid(ground, past.ever, np.inf)
+        known = self._drawn.get((key, look))
+        if known is not None and known[0][0] is view and known[0][1] is laid:
+            return known[1]
+        picture = draw(view, laid.ground, spec, look)
+        self._drawn[(key, look)] = ((view, laid), picture)
+        return picture
 
     def _draw(
         self,

@@ -3,10 +3,11 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ao2viz.core.config import Config
 from ao2viz.envs.task import TaskSpec
-from ao2viz.explain.sentence import CLOSE_CALL
+from ao2viz.explain.moments import MomentKind, course_of
 from ao2viz.explain.words import count, number
-from ao2viz.figures.palette import ACTIONS, to_hex
+from ao2viz.figures.palette import ACTIONS, PATH, to_hex
 from ao2viz.recording.episode import Episode
 from ao2viz.ui.html import esc
 
@@ -18,15 +19,24 @@ _TOP, _MARGIN_END, _REWARD_TOP, _REWARD_END = 8.0, 84.0, 100.0, 142.0
 _OUTLIERS = 98.0  # Percentile; what is greater stands at the rim.
 
 
-def episode_chart(episode: Episode | None, spec: TaskSpec | None) -> str:
+_BELOW = _MARGIN_END + 6
+_MARKS: tuple[tuple[MomentKind, str, str, tuple[float, float], str], ...] = (
+    (MomentKind.LOW_MARGIN, "below", "#f0b429", (_MARGIN_END, _MARGIN_END + 5), ""),
+    (MomentKind.EXPLORED, "above", to_hex(ACTIONS[4]), (_TOP - 7, _TOP - 1), "3 2"),
+    (MomentKind.CREATED, "below", to_hex(ACTIONS[2]), (_BELOW, _BELOW + 5), ""),
+    (MomentKind.UNSEEN, "above", to_hex(PATH), (_TOP - 7, _TOP - 1), ""),
+    (MomentKind.REWARD_DROP, "at the bottom", to_hex(ACTIONS[5]), (_REWARD_END + 1, CHART_PX), ""),
+)
+
+
+def episode_chart(
+    episode: Episode | None, spec: TaskSpec | None, config: Config | None = None
+) -> str:
     """The chart without its cursor; the same for every step of the episode."""
     if episode is None or spec is None or len(episode) == 0:
         return '<div class="ao"><p class="ao-dim">No episode to show yet.</p></div>'
-    margins = np.array([decision.margin for decision in episode.decisions])
-    explored = np.array([decision.explored for decision in episode.decisions])
-    created = np.array([decision.created >= 0 for decision in episode.decisions])
-    scales = np.array([np.abs(d.action_values).max(initial=0.0) for d in episode.decisions])
-    close = ~explored & (margins < CLOSE_CALL * scales)
+    course = course_of(episode, config)
+    margins = course.margins
     high = float(np.percentile(np.abs(margins), _OUTLIERS)) or 1.0
     low = min(0.0, max(float(margins.min()), -high))
     last = max(1, len(episode))
@@ -35,9 +45,10 @@ def episode_chart(episode: Episode | None, spec: TaskSpec | None) -> str:
         _line(
             episode.rewards, _ends(episode.rewards), (_REWARD_END, _REWARD_TOP), last, ACTIONS[2]
         ),
-        _ticks(close, last, (_MARGIN_END, _MARGIN_END + 5), "#f0b429", ""),
-        _ticks(explored, last, (_TOP - 7, _TOP - 1), to_hex(ACTIONS[4]), "3 2"),
-        _ticks(created, last, (_MARGIN_END + 6, _MARGIN_END + 11), to_hex(ACTIONS[2]), ""),
+        *(
+            _ticks(course.flags[kind], last, rows, color, dash)
+            for kind, _, color, rows, dash in _MARKS
+        ),
     ]
     facts = [
         f"margin: 0 to {number(high)}",
@@ -45,13 +56,9 @@ def episode_chart(episode: Episode | None, spec: TaskSpec | None) -> str:
     ]
     told = f"Margin and reward of {count(len(episode), 'step')}; {'; '.join(facts)}."
     marks = [
-        _mark(words, color, int(n))
-        for words, color, n in (
-            ("close call, below", "#f0b429", close.sum()),
-            ("explored, above", to_hex(ACTIONS[4]), explored.sum()),
-            ("new option, below", to_hex(ACTIONS[2]), created.sum()),
-        )
-        if n
+        _mark(f"{kind.value}, {where}", color, int(course.flags[kind].sum()))
+        for kind, where, color, _, _ in _MARKS
+        if course.flags[kind].any()
     ]
     return (
         f'<div class="ao ao-episode"><div class="ao-between ao-gaps"><span style="color:'

@@ -14,6 +14,8 @@ from ao2viz.ui.commands import Command, Pick
 class Connect:
     """A browser came."""
 
+    query: str = ""  # What its address asks for; from anybody, so to be checked.
+
 
 @dataclass(frozen=True)
 class Disconnect:

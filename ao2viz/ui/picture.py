@@ -55,7 +55,7 @@ class Picture:
     def discs(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Centres [S, 2] and radii [S] of the discs that are drawn; none unless seen flat."""
         if isinstance(self.ground, Layout) and self.is_flat:
-            return self.ground.centres, self.ground.radii
+            return self.ground.centres, self.ground.radii * self.stands[self.ground.roots]
         return np.empty((0, 2)), np.empty(0)
 
     def position_of(self, option: int) -> NDArray[np.float32] | None:
@@ -139,7 +139,8 @@ def _places(
     if isinstance(ground, Axes):
         stands = np.array(view.is_alive)
         return np.where(stands[:, None], ground.place(view.values), 0).astype(np.float32), stands
-    stands = ~np.isnan(ground.positions[:, 0])
+    # The ground may have places for options that are gone, or still to come.
+    stands = ~np.isnan(ground.positions[:, 0]) & view.is_alive[: len(ground.positions)]
     positions = np.zeros((len(stands), 3), np.float32)
     positions[stands, :2] = ground.positions[stands]
     if look.arrangement is Arrangement.CONES:

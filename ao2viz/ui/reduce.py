@@ -4,8 +4,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import assert_never
 
-import numpy as np
-
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.training.states import (
@@ -43,7 +41,6 @@ from ao2viz.ui.commands import (
     SetTrainingSpeed,
     ShowAhead,
     ShowMoment,
-    Transport,
 )
 from ao2viz.ui.comparing import compare
 from ao2viz.ui.dialog_commands import DialogCommand, NextStage
@@ -52,6 +49,7 @@ from ao2viz.ui.downloads import Notify, SaveFile, make_table
 from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
 from ao2viz.ui.exporting import take_away
 from ao2viz.ui.jobs import Begin
+from ao2viz.ui.places import make_link
 from ao2viz.ui.questions import (
     CallOff,
     ChooseDuelSeed,
@@ -66,16 +64,27 @@ from ao2viz.ui.questions import (
     Suppose,
     SupposeState,
 )
+from ao2viz.ui.replay_commands import (
+    CancelBranch,
+    LimitBranch,
+    LookAround,
+    LookBack,
+    Rejoin,
+    SeekMoment,
+    SeekStop,
+    SetLoop,
+    SetStop,
+    ShowLink,
+    TakeOver,
+)
+from ao2viz.ui.replaying import leave_branch, play_on, steer
 from ao2viz.ui.session import OTHER_ENV, Form, Session
 from ao2viz.ui.settings import find_overrides
 from ao2viz.ui.shelf import NAME_RULE, ShelfEffect, path_for
 from ao2viz.ui.walking import follow_step, walk_on
-from ao2viz.ui.watched import agent_of, decision_of, episode_of, forest_of, spec_of
+from ao2viz.ui.watched import agent_of, decision_of, forest_of, spec_of
 from ao2viz.ui.what_if import suppose
 from ao2viz.ui.world import World
-
-STEPS_PER_S = 10.0
-"""How fast a recorded episode plays at speed 1."""
 
 
 @dataclass(frozen=True)
@@ -96,17 +105,10 @@ def reduce(session: Session, command: Command, world: World) -> Result:
     if isinstance(command, DialogCommand):
         return attend(session, command, world)
     match command:
-        case Move(to):
-            return _move(session, to, world), ()
-        case Seek(step):
-            last = _last_position(session, world)
-            held = float(np.clip(step, 0, last))
-            return replace(session, position=held, is_playing=False), ()
-        case SetPlaySpeed(factor):
-            return replace(session, play_speed=factor), ()
         case ChooseSource(path):
             return _watch(session, path, world), ()
         case ChooseEpisode(index):
+            session = replace(leave_branch(session), remark="", wanted=None)
             return replace(session, episode=index, position=0.0, is_playing=True), ()
         case Pick():
             return session, (PickOption(command),)
@@ -124,10 +126,6 @@ def reduce(session: Session, command: Command, world: World) -> Result:
             return replace(session, charts=replace(session.charts, over=over)), ()
         case ChooseSmoothing(episodes):
             return replace(session, charts=replace(session.charts, smoothing=episodes)), ()
-        case ShowMoment(number, step):
-            session = replace(session, episode=number, is_playing=False)
-            last = _last_position(session, world)
-            return replace(session, position=float(np.clip(step, 0, last))), ()
         case ShowAhead(is_shown):
             wanted = not session.shows_ahead if is_shown is None else is_shown
             return replace(session, shows_ahead=wanted), ()
@@ -141,6 +139,25 @@ def reduce(session: Session, command: Command, world: World) -> Result:
             return session, (command,)
         case Download(table):
             return session, (make_table(table, session, world),)
+        case ShowLink():
+            return session, (make_link(session, world),)
+        case (
+            Move()
+            | Seek()
+            | SetPlaySpeed()
+            | SetLoop()
+            | SeekMoment()
+            | SetStop()
+            | SeekStop()
+            | ShowMoment()
+            | TakeOver()
+            | LimitBranch()
+            | CancelBranch()
+            | Rejoin()
+            | LookBack()
+            | LookAround()
+        ):
+            return steer(session, command, world), ()
         case _:
             return _explore(session, command, world)
 
@@ -151,13 +168,7 @@ def advance(session: Session, world: World, seconds: float) -> Session:
     look = choose_axes(session.look, forest_of(session, world))
     if look is not session.look:
         session = replace(session, look=look)
-    if not session.is_playing or episode_of(session, world) is None:
-        return session
-    last = _last_position(session, world)
-    position = session.position + seconds * STEPS_PER_S * session.play_speed
-    if position >= last:
-        return replace(session, position=float(last), is_playing=False)
-    return replace(session, position=position)
+    return play_on(session, world, seconds)
 
 
 def _fill_in_task(session: Session, world: World) -> Session:
@@ -175,45 +186,25 @@ def _fill_in_task(session: Session, world: World) -> Session:
 
 def follow(session: Session, before: RunUpdate, now: RunUpdate) -> Session:
     """Keeps a browser that watches the run at its latest step; a new run is another forest."""
+    if session.source is None and now.learned is None:
+        session = replace(session, looks_back=None)
     if session.source is None and now.run_id != before.run_id:
         session = _forget_options(session)
     session = follow_step(session, before, now)
     if session.source is not None or now.episode is before.episode:
         return session
     latest = max(0, len(now.episode) - 1) if now.episode is not None else 0
-    return replace(session, position=float(latest), is_playing=False)
-
-
-def _last_position(session: Session, world: World) -> int:
-    """One past the last step: there the episode's end is shown."""
-    episode = episode_of(session, world)
-    return 0 if episode is None else len(episode)
-
-
-def _move(session: Session, to: Transport, world: World) -> Session:
-    last, at = _last_position(session, world), int(session.position)
-    match to:
-        case Transport.FIRST:
-            return replace(session, position=0.0, is_playing=False)
-        case Transport.BACK:
-            return replace(session, position=float(max(0, at - 1)), is_playing=False)
-        case Transport.FORWARD:
-            return replace(session, position=float(min(last, at + 1)), is_playing=False)
-        case Transport.LAST:
-            return replace(session, position=float(last), is_playing=False)
-        case Transport.PLAY:
-            again = session.position >= last and not session.is_playing
-            position = 0.0 if again else session.position
-            return replace(session, position=position, is_playing=not session.is_playing)
-        case _:
-            assert_never(to)
+    return replace(leave_branch(session), position=float(latest), is_playing=False)
 
 
 def _watch(session: Session, path: Path | None, world: World) -> Session:
     if path == session.source:
         return session
     session = replace(
-        session,
+        leave_branch(session),
+        looks_back=None,
+        remark="",
+        wanted=None,
         source=path,
         episode=0,
         position=0.0,

@@ -14,9 +14,10 @@ import math
 import secrets
 import threading
 from collections.abc import Callable, Iterator
+from contextvars import ContextVar
 from http.cookies import CookieError, SimpleCookie
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
+from urllib.parse import parse_qs, quote, unquote, urlsplit
 
 import viser
 import viser._messages as messages
@@ -41,6 +42,8 @@ MAX_BROWSERS = 32
 _SMALLEST_PART = 2**18
 _LOOPBACK = frozenset({"127.0.0.1", "localhost", "::1"})
 _COOKIE = "ao2viz_token"
+_PLACE_COOKIE = "ao2viz_place"
+_MAX_PLACE = 1_000  # Characters of a page's query that are handed on.
 _LARGEST = 1e300
 # Everything a browser needs to say; the share tunnel and forms are not among it.
 _ALLOWED = (
@@ -52,6 +55,7 @@ _ALLOWED = (
     messages.FileTransferPart,
     messages.LocalStorageGetItemResponseMessage,
 )
+_query: ContextVar[str] = ContextVar("query", default="")
 _constructing = threading.Lock()  # `serve` is swapped for the whole process while one is built.
 
 
@@ -99,6 +103,18 @@ class Gate:
                 given += [morsel.value] if morsel is not None else []
         return any(hmac.compare_digest(g.encode(), self._token.encode()) for g in given)
 
+    def query_of(self, path: str, headers: Headers) -> str:
+        """What the address of the page asks for; `welcome` left it in a cookie. From anybody."""
+        own = urlsplit(path).query
+        if own:
+            return own[:_MAX_PLACE]
+        with contextlib.suppress(CookieError):
+            for header in headers.get_all("Cookie"):
+                morsel = SimpleCookie(header).get(_PLACE_COOKIE)
+                if morsel is not None:
+                    return unquote(morsel.value)[:_MAX_PLACE]
+        return ""
+
     def welcome(self, path: str, response: Response) -> Response:
         """Adds what keeps the page safe in the browser, and the cookie that carries the token."""
         response.headers["X-Frame-Options"] = "DENY"
@@ -108,7 +124,18 @@ class Gate:
             response.headers["Set-Cookie"] = (
                 f"{_COOKIE}={self._token}; HttpOnly; SameSite=Lax; Path=/"
             )
+        asked = urlsplit(path)
+        if asked.path in ("", "/"):  # The page's own handshake does not carry its query.
+            query = quote(asked.query[:_MAX_PLACE], safe="")
+            response.headers["Set-Cookie"] = (
+                f"{_PLACE_COOKIE}={query}; HttpOnly; SameSite=Strict; Path=/"
+            )
         return response
+
+
+def asked_query() -> str:
+    """What the address of the browser that connects asks for; only within `on_client_connect`."""
+    return _query.get()
 
 
 def make_token() -> str:
@@ -158,6 +185,7 @@ def _guarded_serve(gate: Gate) -> Iterator[None]:
         async def counted(connection: Any) -> None:
             nonlocal n_connected
             n_connected += 1
+            _query.set(gate.query_of(connection.request.path, connection.request.headers))
             try:
                 await handler(connection)
             finally:

@@ -8,6 +8,7 @@ from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.exports.formats import Format, Scope
 from ao2viz.recording.cycle import Stage
+from ao2viz.ui.branches import Branch, BranchWish
 from ao2viz.ui.dialog_commands import Dialog
 from ao2viz.ui.look import ChartLook, Look
 
@@ -68,6 +69,14 @@ class Supposition:
 
 
 @dataclass(frozen=True)
+class Wanted:
+    """A moment that an address or the command line asked for; counted from 0."""
+
+    episode: int | None = None  # None: the first.
+    step: int | None = None  # None: from the beginning, playing.
+
+
+@dataclass(frozen=True)
 class Session:
     """Everything one browser chose; the run itself belongs to all."""
 
@@ -76,6 +85,15 @@ class Session:
     position: float = 0.0  # In steps; its whole part is shown. Fractions carry slow playing.
     is_playing: bool = True
     play_speed: float = 1.0
+    loops: bool = False  # An episode begins anew at its end.
+    wanted: Wanted | None = None  # Where to go once the file is open.
+    stop_text: str = ""  # The condition at which playing holds; a valid one.
+    stop_problem: str = ""  # What was wrong with the one that was typed last.
+    remark: str = ""  # What the latest command about the replay came to, in words.
+    branch: Branch | None = None  # What is watched instead of the main line.
+    wish: BranchWish | None = None  # A branch that is being played.
+    looks_back: int | None = None  # The step of training whose forest is shown; None: now.
+    branch_limit: int = 0  # Steps that the agent goes on for in a branch; 0: to the end.
     selected: int = NO_OPTION
     opened: int | None = None  # The action whose weight is opened to its reasons.
     trail: tuple[Place, ...] = ()  # What was inspected, as a browser's history.

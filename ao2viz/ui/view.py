@@ -6,14 +6,19 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from ao2viz.core.config import Config
 from ao2viz.core.decision import Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.moments import Moment, find_moments
 from ao2viz.explain.words import count, number
 from ao2viz.recording.episode import Episode
+from ao2viz.recording.past import Moment as PastMoment
+from ao2viz.recording.past import Past
 from ao2viz.store.saved import Learned
 from ao2viz.training.states import RunStatus, SetDecideBy, accepts
 from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.branches import Branch, BranchUnderWay
 from ao2viz.ui.commands import RunButton, Table
 from ao2viz.ui.comparing import Other, other_of
 from ao2viz.ui.dialog_commands import Dialog
@@ -21,19 +26,24 @@ from ao2viz.ui.dialogs import defaults_for
 from ao2viz.ui.downloads import tables_of
 from ao2viz.ui.exporting import Export, export_of
 from ao2viz.ui.look import ChartLook, Look
+from ao2viz.ui.places import command_to, link_to
 from ao2viz.ui.reduce import run_command
+from ao2viz.ui.replaying import find_stops
 from ao2viz.ui.session import Form, Session
 from ao2viz.ui.settings import SettingRow, setting_rows
 from ao2viz.ui.shelf import folder_for
 from ao2viz.ui.walking import Walk, can_walk, walk_of
 from ao2viz.ui.watched import (
     agent_of,
+    config_of,
     decision_of,
     episode_of,
     forest_of,
     history_of,
     learned_of,
+    moment_at,
     observation_of,
+    past_of,
     recorded_in,
     spec_of,
 )
@@ -44,6 +54,7 @@ ForestKey = tuple[str, str, int]
 """Tells forests apart: where it comes from, and how often it was tidied up."""
 
 
+_RECENT = 20  # Training episodes whose mean return tells how good an agent was.
 _SEEN = 40  # States before this moment that are shown as well.
 
 
@@ -56,6 +67,33 @@ class Transport:
     is_playing: bool = False
     is_enabled: bool = False
     speed: float = 1.0
+
+
+@dataclass(frozen=True, eq=False)
+class Replay:
+    """What the panels about the replay show beside the transport."""
+
+    loops: bool
+    moments: tuple[Moment, ...]
+    stop_text: str
+    stop_problem: str
+    n_stops: int  # Steps that meet the condition.
+    remark: str
+    branch: Branch | None
+    branching: BranchUnderWay | None  # None: none is being played.
+    branch_limit: int
+    can_take_over: bool
+    link: str
+    command: str
+
+
+@dataclass(frozen=True, eq=False)
+class Back:
+    """The past moment that is shown in place of now."""
+
+    past: Past
+    moment: PastMoment
+    returns: NDArray[np.float64]  # Of the latest up to 20 training episodes that had ended.
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,6 +120,10 @@ class View:
     can_walk: bool  # There is a next stage.
     notice: str  # Said in place of a sentence while there is no decision.
     transport: Transport
+    replay: Replay
+    n_lived: int  # Steps of training that can be looked back on; 0: none.
+    back: Back | None  # None: now is shown.
+    config: Config | None
     recorded: tuple[Episode, ...]  # Those that can be gone to.
     learned: Learned | None  # What can be asked of a whole mind; None while a run goes on.
     shows_ahead: bool
@@ -155,6 +197,10 @@ def project(session: Session, world: World) -> View:
         transport=Transport(
             position, last, session.is_playing, episode is not None, session.play_speed
         ),
+        replay=_replay(session, world, episode, position),
+        n_lived=_lived(session, world),
+        back=_back(session, world),
+        config=config_of(session, world),
         recorded=recorded_in(session, world),
         learned=learned_of(session, world),
         shows_ahead=session.shows_ahead,
@@ -190,6 +236,45 @@ def _settings(session: Session, world: World) -> tuple[SettingRow, ...]:
     if session.dialog is not Dialog.SETTINGS and not session.form.settings:
         return ()
     return setting_rows(session.form, defaults_for(session.form, world), world.update.config)
+
+
+def _lived(session: Session, world: World) -> int:
+    past = past_of(session, world)
+    return past.n_steps if past is not None else 0
+
+
+def _back(session: Session, world: World) -> Back | None:
+    past = past_of(session, world)
+    if past is None or session.looks_back is None or session.looks_back >= past.n_steps:
+        return None
+    moment = moment_at(past, session.looks_back)
+    if moment is None:
+        return None
+    history = history_of(session, world)
+    ended = history[history[:, 0] <= moment.step]
+    return Back(past, moment, ended[-_RECENT:, 1])
+
+
+def _replay(session: Session, world: World, episode: Episode | None, position: int) -> Replay:
+    under_way = world.branched.get(session.wish) if session.wish is not None else None
+    return Replay(
+        loops=session.loops,
+        moments=find_moments(episode, config_of(session, world)) if episode is not None else (),
+        stop_text=session.stop_text,
+        stop_problem=session.stop_problem,
+        n_stops=int(np.count_nonzero(find_stops(session, world))),
+        remark=session.remark,
+        branch=session.branch,
+        branching=under_way if isinstance(under_way, BranchUnderWay) else None,
+        branch_limit=session.branch_limit,
+        can_take_over=(
+            episode is not None
+            and position < len(episode)
+            and learned_of(session, world) is not None
+        ),
+        link=link_to(session, world),
+        command=command_to(session, world),
+    )
 
 
 def _enabled(status: RunStatus) -> frozenset[RunButton]:

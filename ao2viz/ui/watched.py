@@ -1,12 +1,17 @@
 """What a session watches, found in the world; pure."""
 
+from functools import lru_cache
+
 import numpy as np
 from numpy.typing import NDArray
 
+from ao2viz.core.config import Config
 from ao2viz.core.decision import Decision
 from ao2viz.core.forest import ForestView
+from ao2viz.core.mind import state_of
 from ao2viz.envs.task import TaskSpec
 from ao2viz.recording.episode import Episode
+from ao2viz.recording.past import Moment, Past, make_past
 from ao2viz.store.saved import Learned, SavedAgent
 from ao2viz.training.states import RunStatus
 from ao2viz.ui.session import Session
@@ -20,7 +25,14 @@ def agent_of(session: Session, world: World) -> SavedAgent | None:
 
 
 def episode_of(session: Session, world: World) -> Episode | None:
-    """The episode that the transport moves through; None while there is none."""
+    """The episode that the transport moves through, a branch included; None while there is none."""
+    if session.branch is not None:
+        return session.branch.episode
+    return main_line_of(session, world)
+
+
+def main_line_of(session: Session, world: World) -> Episode | None:
+    """The episode as it was recorded; None while there is none."""
     if session.source is None:
         return world.update.episode
     agent = agent_of(session, world)
@@ -73,8 +85,14 @@ def recorded_in(session: Session, world: World) -> tuple[Episode, ...]:
     agent = agent_of(session, world)
     if agent is not None:
         return agent.episodes
-    episode = episode_of(session, world)
+    episode = main_line_of(session, world)
     return (episode,) if episode is not None else ()
+
+
+def config_of(session: Session, world: World) -> Config | None:
+    """The settings of what is watched; None while they are not known."""
+    learned = learned_of(session, world)
+    return learned.config if learned is not None else None
 
 
 def learned_of(session: Session, world: World) -> Learned | None:
@@ -91,3 +109,35 @@ def history_of(session: Session, world: World) -> NDArray[np.float64]:
         return world.update.history
     agent = agent_of(session, world)
     return agent.history if agent is not None else np.empty((0, 4))
+
+
+def past_of(session: Session, world: World) -> Past | None:
+    """How its forest came to be; None while a run goes on, or if that is not known in full."""
+    learned, forest = learned_of(session, world), forest_of(session, world)
+    agent = agent_of(session, world)
+    n_steps = agent.n_steps if agent is not None else world.update.n_steps
+    return None if learned is None or forest is None else _past(learned, forest, n_steps)
+
+
+@lru_cache(maxsize=4)
+def _past(learned: Learned, forest: ForestView, n_steps: int) -> Past | None:
+    try:
+        past = make_past(forest, n_steps, learned.growth, learned.growth_dropped)
+    except (ValueError, KeyError):  # The log does not belong to this forest.
+        return None
+    return past if past.is_whole else None
+
+
+@lru_cache(maxsize=4)
+def moment_at(past: Past, step: int) -> Moment | None:
+    """The forest after a step; None where the log tells of something that is none."""
+    try:
+        return past.at(step)
+    except ValueError:
+        return None
+
+
+@lru_cache(maxsize=4)
+def learned_at(past: Past, step: int, config: Config) -> Learned:
+    """What was known when a snapshot was taken: enough to decide as the agent did then."""
+    return Learned(config, state_of(past.at(step).view), {}, 0)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 from ao2viz.store.saved import SavedAgent
 from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.branches import BranchResult, BranchWish
 from ao2viz.ui.defaults import Defaults
 
 
@@ -32,6 +33,8 @@ class World:
     shelf: tuple[ShelfItem, ...] = ()
     opened: Mapping[Path, SavedAgent | LoadFailure] = field(default_factory=dict)  # Rest: loading.
     update: RunUpdate = field(default_factory=RunUpdate)
+    branched: Mapping[BranchWish, BranchResult] = field(default_factory=dict)
+    address: str = ""  # What opens this dashboard in a browser.
     folder: Path = field(default_factory=Path.cwd)  # Where agents are saved.
     folders: tuple[Path, ...] = ()  # All that people may choose from for that.
     defaults: Defaults = field(default_factory=dict)  # Settings that agents begin with.

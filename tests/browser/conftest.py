@@ -140,7 +140,9 @@ def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path
         if message.type == "error":
             errors.append(message.text)
 
-    def open_one(dashboard: Dashboard, *, draws: bool = False, size=SIZE) -> Window:
+    def open_one(
+        dashboard: Dashboard, *, draws: bool = False, size=SIZE, query: str = ""
+    ) -> Window:
         known = set(dashboard.views)
         page = browser.new_page(viewport=size)
         pages.append(page)
@@ -148,7 +150,7 @@ def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path
         page.on("pageerror", lambda error: errors.append(str(error)))
         if not draws:
             page.add_init_script(WITHOUT_DRAWING)
-        page.goto(dashboard.address)
+        page.goto(dashboard.address + (f"?{query}" if query else ""))
         page.wait_for_selector("canvas")
         window = Window(page, dashboard, -1)
         window.wait(lambda: set(dashboard.views) > known, "the browser to be known")

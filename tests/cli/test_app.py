@@ -11,7 +11,10 @@ from pathlib import Path
 import pytest
 
 from ao2viz.cli.entry import with_default_command
+from ao2viz.resources import saved_schemas
 from tests.cli.processes import ROOT, TIMEOUT_S, environment, start
+
+BUNDLED = saved_schemas() / "CartPole-v1.ao2"  # It has recorded episodes.
 
 
 def open_page(process: subprocess.Popen[str]) -> tuple[str, str]:
@@ -81,3 +84,28 @@ def test_what_is_not_a_command_opens_the_dashboard() -> None:
     assert with_default_command(["--no-browser"]) == ["app", "--no-browser"]
     for arguments in (["--help"], ["--version"], ["train", "--help"], ["trian"], ["info", "a.ao2"]):
         assert with_default_command(arguments) == arguments
+
+
+def test_the_dashboard_opens_at_a_moment(tmp_path: Path) -> None:
+    moment = ("--episode", "0", "--step", "1")
+    process = start(tmp_path, str(BUNDLED), *moment, "--port", "0", "--no-browser")
+    open_page(process)
+    stop(process)
+
+
+@pytest.mark.parametrize(
+    ("moment", "words"),
+    [
+        (("--episode", "77"), "There is no recorded episode 77"),
+        (("--step", "99999"), "There is no step 99999 in that episode"),
+        (("--step", "-1"), "Invalid value"),
+    ],
+)
+def test_a_moment_that_is_not_there_is_said_in_the_terminal(
+    tmp_path: Path, moment: tuple[str, ...], words: str
+) -> None:
+    process = start(tmp_path, str(BUNDLED), *moment, "--port", "0", "--no-browser")
+    _, errors = process.communicate(timeout=TIMEOUT_S)
+    assert process.returncode == 2
+    assert words in errors
+    assert "Traceback" not in errors

@@ -88,9 +88,9 @@ class ChartsPanel:
         transport = view.transport
         self._slider.visible = view.episode is not None
         self._slider_shown.show_within(max(1, transport.last), transport.position)
-        if self._episode[:1] != (view.episode,):
-            self._chart.content = episode_chart(view.episode, view.spec)
-        shown = (view.episode, transport.position)
+        shown = (view.episode, view.config, transport.position)
+        if self._episode[:2] != shown[:2]:
+            self._chart.content = episode_chart(view.episode, view.spec, view.config)
         if shown != self._episode:
             self._episode = shown
             self._cursor.content = episode_cursor(view.episode, transport.position)

@@ -3,7 +3,7 @@
 import viser
 from viser._messages import HotkeyKey
 
-from ao2viz.ui import html
+from ao2viz.ui import html, html_past
 from ao2viz.ui.commands import Command, Fit, FocusPath, FocusSelection, TidyUp
 from ao2viz.ui.html_forest import legend, legend_size
 from ao2viz.ui.inbox import Inbox, on_click, on_trigger
@@ -41,10 +41,12 @@ class LegendPanel:
 
     def sync(self, view: View, picture: Picture | None) -> None:
         """Shows the legend of what is on the canvas."""
-        shown = (view.spec, view.forest, view.look, picture)
+        forest = view.forest if view.back is None else view.back.moment.view
+        shown = (view.spec, forest, view.look, picture)
         if self._shown and all(a is b or a == b for a, b in zip(shown, self._shown, strict=True)):
             return
         self._shown = shown
-        self._text.content = legend(view.spec, view.forest, view.look, picture)
-        size = legend_size(view.spec, view.forest, view.look, picture)
+        words = html_past.canvas_line(view)
+        self._text.content = words + legend(view.spec, forest, view.look, picture)
+        size = legend_size(view.spec, forest, view.look, picture)
         self.size = size[0] + _GAP_PX, size[1] + _GAP_PX

@@ -1,4 +1,4 @@
-"""The left dock: what is watched, its picture, the transport, the decision and its path."""
+"""The left dock, above: what is watched, its picture and the transport."""
 
 import time
 from collections.abc import Callable
@@ -6,20 +6,12 @@ from collections.abc import Callable
 import viser
 from viser._messages import HotkeyKey
 
-from ao2viz.explain.ahead import Ahead
-from ao2viz.recording.cycle import Stage
-from ao2viz.ui import html, html_cycle, html_reasons
-from ao2viz.ui.commands import (
-    ChooseEpisode,
-    ChooseSource,
-    Move,
-    Seek,
-    SetPlaySpeed,
-    Transport,
-)
+from ao2viz.ui import html
+from ao2viz.ui.commands import ChooseEpisode, ChooseSource, Move, Seek, SetPlaySpeed, Transport
 from ao2viz.ui.frames import BLANK, BLANK_JPEG
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.mirror import Mirror
+from ao2viz.ui.replay_commands import SeekMoment, SetLoop
 from ao2viz.ui.view import View
 
 LIVE: str = "Training, live"
@@ -30,6 +22,10 @@ _BUTTONS: tuple[tuple[Transport, str, viser.IconName, HotkeyKey], ...] = (
     (Transport.PLAY, "Play", viser.Icon.PLAYER_PLAY, "P"),
     (Transport.FORWARD, "Step forward", viser.Icon.PLAYER_TRACK_NEXT, "D"),
     (Transport.LAST, "Last step", viser.Icon.PLAYER_SKIP_FORWARD, "E"),
+)
+_MOMENTS: tuple[tuple[str, SeekMoment, HotkeyKey], ...] = (
+    ("← Moment", SeekMoment(False), "9"),
+    ("Moment →", SeekMoment(True), "0"),
 )
 _NO_EPISODE: str = "none recorded"
 _SETTLED_S = 0.5  # After so long without a change the slider is sent once more.
@@ -49,7 +45,6 @@ class WatchPanel:
         self._moved: tuple[tuple[int, int], float | None] = ((0, 0), None)  # Place, and since when.
         self._shelf: dict[str, ChooseSource] = {}
         self._episodes: tuple[str, ...] = ()
-        self._said: tuple[object, ...] = ()
         self._pictured: tuple[str, str] = ("", "")
         gui.add_html(html.no_tab())
         self._source = gui.add_dropdown("Watch", [LIVE])
@@ -60,6 +55,7 @@ class WatchPanel:
         gui.add_html(html.row(6))
         self._buttons: dict[Transport, viser.GuiButtonHandle] = {}
         self._keys: list[viser.CommandHandle] = []
+        self._steering: list[viser.GuiButtonHandle] = []
         for to, label, icon, key in _BUTTONS:
             self._buttons[to] = button = gui.add_button(label, icon=icon, color="gray")
             on_click(button, Move(to), client_id, inbox)
@@ -73,15 +69,25 @@ class WatchPanel:
         self._source_shown = Mirror(self._source)
         self._episode_shown = Mirror(self._episode)
         self._slider_shown = Mirror(self._slider)
-        self._cycle = gui.add_html("")
-        self._decision = gui.add_html("")
-        self._path = gui.add_html("")
-        self._ahead = gui.add_html("")
-        self._told_ahead: Ahead | None = None
+        gui.add_html(html.row(3))
+        for label, command, key in _MOMENTS:
+            hint = f"The moment worth a look {'after' if command.is_forward else 'before'} this one"
+            button = gui.add_button(
+                label, color="gray", hint=f"{hint}; the Moments tab lists them."
+            )
+            on_click(button, command, client_id, inbox)
+            trigger = gui.add_command(f"Replay: {hint[0].lower()}{hint[1:]}", hotkey=key)
+            on_trigger(trigger, command, client_id, inbox)
+            self._steering.append(button)
+            self._keys.append(trigger)
+        self._loop = gui.add_button(
+            "Loop", icon=viser.Icon.REPEAT, color="gray", hint="Begins anew at the end."
+        )
+        on_click(self._loop, SetLoop(None), client_id, inbox)
+        trigger = gui.add_command("Replay: loop, or hold at the end", hotkey="P", modifier="shift")
+        on_trigger(trigger, SetLoop(None), client_id, inbox)
 
-    def sync(
-        self, view: View, frame: bytes | None, problem: str, ahead: Ahead | None = None
-    ) -> None:
+    def sync(self, view: View, frame: bytes | None) -> None:
         """Shows the view; `frame` is the JPEG of this moment, None keeps the last one."""
         self._sync_choices(view)
         transport = view.transport
@@ -95,6 +101,11 @@ class WatchPanel:
                     button.label = "Hold" if is_playing else "Play"
         for key in self._keys:
             key.disabled = not transport.is_enabled
+        for button in self._steering:
+            button.disabled = not transport.is_enabled
+        color = "blue" if view.replay.loops else "gray"
+        if self._loop.color != color:
+            self._loop.color = color
         self._slider.disabled = not transport.is_enabled
         self._sync_slider(transport.last, transport.position)
         pictured = view.forest_key[:2]
@@ -103,13 +114,6 @@ class WatchPanel:
         elif pictured != self._pictured:
             self._image._data = BLANK_JPEG
         self._pictured = pictured
-        self._sync_words(view, problem)
-        if ahead is not self._told_ahead:
-            self._told_ahead = ahead
-            if ahead is not None and view.spec is not None:
-                self._ahead.content = html_reasons.ahead(ahead, view.spec)
-            else:
-                self._ahead.content = ""
 
     def _sync_slider(self, last: int, position: int) -> None:
         self._slider_shown.show_within(max(1, last), position)
@@ -137,36 +141,6 @@ class WatchPanel:
         )
         self._episode.visible = view.source is not None
         self._episode.disabled = not view.episodes
-
-    def _sync_words(self, view: View, problem: str) -> None:
-        supposes = view.supposed is not None
-        moment = (view.decision, supposes, view.notice, problem, view.forest_key)
-        walk = None if supposes else view.walk
-        shown = (None, None) if walk is None else (walk.cycle, walk.stage)
-        said = (*moment, view.run.status, *shown)
-        if all(a is b or a == b for a, b in zip(said, self._said, strict=False)) and self._said:
-            return
-        self._said = said
-        self._cycle.content = ""
-        if walk is not None and view.spec is not None and view.forest is not None:
-            self._cycle.content = html_cycle.cycle_stages(walk, view.spec, view.forest)
-            has_acted = walk.stage.number >= Stage.ACT.number
-            has_found = walk.stage.number >= Stage.FIND.number
-            told = html.decision(walk.cycle.decision, view.spec, view.forest)
-            path = html.path(walk.cycle.decision, view.spec, view.forest)
-            self._decision.content = told if has_acted else ""
-            self._path.content = path if has_found else ""
-            return
-        if view.decision is not None and view.spec is not None:
-            self._decision.content = html.decision(view.decision, view.spec, view.forest)
-            self._path.content = html.path(view.decision, view.spec, view.forest)
-        else:
-            self._decision.content = html.notice(view.notice)
-            self._path.content = ""
-        if supposes:
-            self._decision.content = html.supposing() + self._decision.content
-        if problem:
-            self._decision.content += html.notice(problem, is_error=True)
 
     def _to_source(self, label: str) -> ChooseSource | None:
         return self._shelf.get(label)
