@@ -19,7 +19,7 @@ def test_a_moment_is_one_click_away(dashboard, open_window: Open):
     moment = next(m for m in moments if m.step > moments[0].step)
     window.press(f"{moment.step:,} · {moment.words}")
     window.wait(lambda: window.view.transport.position == moment.step, "the moment")
-    window.page.keyboard.press("9")
+    window.page.keyboard.press("2")
     window.wait(lambda: window.view.transport.position < moment.step, "the one before")
     window.press("Moment →")
     window.wait(lambda: window.view.transport.position == moment.step, "the one after")

@@ -24,8 +24,8 @@ _BUTTONS: tuple[tuple[Transport, str, viser.IconName, HotkeyKey], ...] = (
     (Transport.LAST, "Last step", viser.Icon.PLAYER_SKIP_FORWARD, "E"),
 )
 _MOMENTS: tuple[tuple[str, SeekMoment, HotkeyKey], ...] = (
-    ("← Moment", SeekMoment(False), "9"),
-    ("Moment →", SeekMoment(True), "0"),
+    ("← Moment", SeekMoment(False), "2"),
+    ("Moment →", SeekMoment(True), "3"),
 )
 _NO_EPISODE: str = "none recorded"
 _SETTLED_S = 0.5  # After so long without a change the slider is sent once more.
