@@ -13,7 +13,6 @@ from ao2viz.core.agent import make_learner
 from ao2viz.core.card import make_card
 from ao2viz.core.cleansing import Cleansed
 from ao2viz.core.config import (
-    AnticipatingConfig,
     Config,
     Preset,
     change_config,
@@ -225,13 +224,14 @@ class AO2:
             ValueError: If a number is out of range, or the preset is `paper`: it does not learn
                 what follows an action.
         """
-        config = self.config
-        if limit is None:
-            limit = config.think_limit if isinstance(config, AnticipatingConfig) else 0
-        settings = {"think_ahead": steps, "think_limit": limit}
-        checked = make_config(Preset.ANTICIPATING, settings)
-        assert isinstance(checked, AnticipatingConfig)
-        self._learner.set_think_ahead(checked.think_ahead, checked.think_limit)
+        settings = {"think_ahead": steps, **({} if limit is None else {"think_limit": limit})}
+        if self.preset is Preset.ANTICIPATING:
+            self.change_settings(**settings)
+        elif any(settings.values()):
+            raise ValueError(
+                "The paper preset does not learn what follows an action, so it cannot think "
+                "ahead; the anticipating preset can."
+            )
 
     def change_settings(self, **settings: Any) -> None:
         """Changes settings in the middle of a life; `settings_of` says which can, and from when on.

@@ -208,8 +208,12 @@ def test_how_far_it_thinks_can_change_at_any_time():
     assert agent.decide(np.zeros(4)).plan is None
     with pytest.raises(ValueError, match="Expected think_ahead between 0 and 8"):
         agent.set_think_ahead(9)
+    paper = AO2("CartPole-v1", "paper")
+    before = paper.config
+    paper.set_think_ahead(0, limit=0)
+    assert paper.config == before
     with pytest.raises(ValueError, match="cannot think ahead"):
-        AO2("CartPole-v1", "paper").set_think_ahead(1)
+        paper.set_think_ahead(1)
 
 
 def test_a_limit_of_time_holds_by_the_clock_of_the_machine():

@@ -16,7 +16,7 @@ from ao2viz.core.assimilation import allocate_trace, settle
 from ao2viz.core.attention import RunningSpread, attention_from, has_changed
 from ao2viz.core.cleansing import apply_cleansing, plan_cleansing
 from ao2viz.core.config import AnticipatingConfig
-from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
+from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.core.experience import learn_law
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
@@ -174,14 +174,6 @@ class AnticipatingLearner:
             self._rules,
             self._work,
         )
-
-    def set_decide_by(self, decide_by: DecideBy) -> None:
-        """Switches between vote and path; see `Learner`."""
-        self.config = replace(self.config, decide_by=decide_by)
-
-    def set_think_ahead(self, steps: int, limit: int) -> None:
-        """Changes how far and how long decisions think; see `Learner`."""
-        self.config = replace(self.config, think_ahead=steps, think_limit=limit)
 
     def change(self, settings: Mapping[str, Any]) -> None:
         """Takes over other settings; see `Learner`."""

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.arrays import Arrays
 from ao2viz.core.config import Config
-from ao2viz.core.decision import DecideBy, Decision
+from ao2viz.core.decision import Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.core.growth import GrowthEvent
 
@@ -25,7 +25,7 @@ class Learner(Protocol):
 
     @property
     def config(self) -> Config:
-        """Every setting, frozen; `set_decide_by`, `set_think_ahead` and `change` replace it."""
+        """Every setting, frozen; only `change` replaces it."""
         ...
 
     def start(self, observation: NDArray[np.float64]) -> tuple[GrowthEvent, ...]:
@@ -64,18 +64,6 @@ class Learner(Protocol):
 
         Raises:
             ValueError: If this agent cannot tell which.
-        """
-        ...
-
-    def set_decide_by(self, decide_by: DecideBy) -> None:
-        """Switches between vote and path, at any time."""
-        ...
-
-    def set_think_ahead(self, steps: int, limit: int) -> None:
-        """Changes how far decisions think, and for how many milliseconds (0: no limit).
-
-        Raises:
-            ValueError: If this agent cannot imagine what follows an action.
         """
         ...
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.arrays import Arrays, take_array
 from ao2viz.core.config import Credit, PaperConfig
-from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
+from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.core.forest import Forest, ForestView
 from ao2viz.core.growth import GrowthEvent
 from ao2viz.core.impression import make_impression
@@ -112,18 +112,6 @@ class PaperLearner:
             "In the paper preset every option decides by its own weights alone, so there is no "
             "telling what is lost with one; the anticipating preset can be cleansed."
         )
-
-    def set_decide_by(self, decide_by: DecideBy) -> None:
-        """Switches between vote and path; see `Learner`."""
-        self.config = replace(self.config, decide_by=decide_by)
-
-    def set_think_ahead(self, steps: int, limit: int) -> None:
-        """Refuses; see `Learner`."""
-        if steps or limit:
-            raise ValueError(
-                "The paper preset does not learn what follows an action, so it cannot think "
-                "ahead; the anticipating preset can."
-            )
 
     def change(self, settings: Mapping[str, Any]) -> None:
         """Takes over other settings; see `Learner`."""

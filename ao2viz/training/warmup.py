@@ -33,6 +33,6 @@ def warm_up(config: Config, n_features: int, n_actions: int) -> None:
         learner.observe(decision, 1.0, observation, terminated=ends, truncated=False)
     learner.sleep()
     for decide_by in DecideBy:
-        learner.set_decide_by(decide_by)
+        learner.change({"decide_by": decide_by})
         learner.act_at(np.zeros(n_features))
         learner.decide_at(np.zeros(n_features))

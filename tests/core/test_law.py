@@ -7,7 +7,14 @@ from hypothesis import strategies as st
 
 from ao2viz import AO2
 from ao2viz.core.config import Preset
-from ao2viz.core.experience import allocate_experience, expect_all, learn_law, predict, record
+from ao2viz.core.experience import (
+    allocate_experience,
+    expect_all,
+    known_within,
+    learn_law,
+    predict,
+    record,
+)
 from ao2viz.core.forest import Forest
 from ao2viz.core.law import allocate_law, choose_terms, count_terms, write_terms
 from ao2viz.core.local_linear import make_workspace
@@ -178,3 +185,28 @@ def test_cart_pole_moves_by_a_law():
     moved = experience.displacement[: len(tried)][tried]
     left_over = moved - experience.expected[: len(tried)][tried]
     assert np.abs(left_over).mean() < 0.1 * np.abs(moved).mean()
+
+
+@pytest.mark.parametrize(
+    ("n_features", "levels", "reach"),
+    [
+        (2, 5, 0.125),  # MountainCar-v0: four finest radii, less than 1/8 a feature.
+        (4, 3, 0.5),  # CartPole-v1: 1/8 a feature, four finest radii as well.
+        (6, 2, 0.75),  # Acrobot-v1: 1/8 a feature, three radii.
+        (8, 1, 1.0),  # LunarLander-v3: 1/8 a feature, two radii.
+        (1, 2, 0.5),  # An option knows its surroundings: never less than two radii.
+        (8, 5, 0.125),  # Nor what it has not looked at: never more than four.
+    ],
+)
+def test_an_action_is_known_near_where_it_was_tried_and_not_beyond(n_features, levels, reach):
+    radius = 0.5**levels
+    assert known_within(radius, n_features) == pytest.approx(reach)
+    forest = Forest(n_features, 1, np.ones(n_features))
+    forest.add(np.zeros(n_features), -1, 0)
+    experience = allocate_experience(1, 1, n_features, 0)
+    work = make_workspace(32, n_features, 1)
+    here = np.zeros(n_features)
+    record(forest.columns.visits, experience, 0, 0, here, here, 1.0, False, CAP)
+    for far, known in ((0.99, 1), (1.01, 0)):
+        state = np.full(n_features, far * reach / n_features)
+        assert predict(forest.columns, experience, state, 0, radius, RIDGE, work) == known

@@ -201,7 +201,7 @@ def test_asking_and_acting_agree(preset):
     learner = grown(preset)
     for observation in np.random.default_rng(5).normal(0, 0.5, (200, 2)):
         for decide_by in DecideBy:
-            learner.set_decide_by(decide_by)
+            learner.change({"decide_by": decide_by})
             assert learner.act_at(observation) == learner.decide_at(observation).action
 
 

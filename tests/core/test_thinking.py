@@ -214,9 +214,9 @@ def test_it_finds_the_best_of_all_sequences(seed, depth):
     learner = grown(Preset.ANTICIPATING, 800, seed)
     for observation in places(40):
         before = learner.decide_at(observation)
-        learner.set_think_ahead(depth, 0)
+        learner.change({"think_ahead": depth, "think_limit": 0})
         decision = learner.decide_at(observation)
-        learner.set_think_ahead(0, 0)
+        learner.change({"think_ahead": 0, "think_limit": 0})
         best = plain_search(learner, observation, depth)
         if not best:
             assert decision.plan is None
@@ -308,7 +308,7 @@ def test_what_an_action_is_expected_to_earn_is_the_sum_over_its_plan():
     learner = grown(Preset.ANTICIPATING, 1000, gamma=0.9)
     lengths = set()
     for depth in (1, 2, 4):
-        learner.set_think_ahead(depth, 0)
+        learner.change({"think_ahead": depth, "think_limit": 0})
         for observation in places(100):
             decision = learner.decide_at(observation)
             if decision.plan is None:
@@ -357,9 +357,9 @@ def test_switching_it_on_and_off_again_leaves_nothing_behind():
     state = learner.get_state()
     observation = np.array([0.3, 0.1])
     before = learner.decide_at(observation)
-    learner.set_think_ahead(3, 0)
+    learner.change({"think_ahead": 3, "think_limit": 0})
     learner.decide_at(observation)
-    learner.set_think_ahead(0, 0)
+    learner.change({"think_ahead": 0, "think_limit": 0})
     after = learner.decide_at(observation)
     assert after.plan is None
     assert after.action_values.tobytes() == before.action_values.tobytes()
@@ -377,13 +377,6 @@ def test_a_feature_without_attention_stays_as_it_is_seen():
     )
     assert thought.plan is not None
     assert thought.plan.states.tolist() == [[0.25]]
-
-
-def test_the_paper_preset_cannot_think_ahead():
-    learner = grown(Preset.PAPER, 50)
-    learner.set_think_ahead(0, 0)
-    with pytest.raises(ValueError, match="so it cannot think ahead"):
-        learner.set_think_ahead(1, 0)
 
 
 @pytest.mark.parametrize(
