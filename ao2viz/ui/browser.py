@@ -83,8 +83,9 @@ class Browser:
         """Brings the screen up to date with the view."""
         frame, problem = self._frame(view, frames)
         ahead = _ahead_of(view, thinker)
-        answer = self._supposing.ask(view, thinker)
-        self._what_if.sync(view, answer, self.jobs)
+        asked = self._supposing.ask(view, thinker)
+        self._what_if.sync(view, asked, self.jobs)
+        answer = asked if isinstance(asked, Answer) else None
         self._compare.sync(view, thinker, frames, self.jobs)
         file = self._export.sync(view, self.jobs)
         if file is not None:

@@ -15,11 +15,6 @@ from ao2viz.ui.html import esc
 from ao2viz.ui.jobs import JobState
 from ao2viz.ui.what_if import NEAREST_TIME_S
 
-NOTHING_TO_ASK = (
-    '<div class="ao"><p class="ao-dim">What if it had seen something else? That asks what was '
-    "learned: watch a saved agent, or hold the run.</p></div>"
-)
-
 
 def banner(changed: list[str], *, is_supposed: bool) -> str:
     """Whether this is the replay's moment or a what-if, and what was changed."""

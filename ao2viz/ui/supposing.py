@@ -19,6 +19,13 @@ STILL_S = 0.25
 """A state is asked for its flips once it has not changed for so long."""
 
 
+_NOTHING_TO_ASK = (
+    "What if it had seen something else? That asks what was learned: watch a saved agent, or hold "
+    "the run."
+)
+_GETTING_READY = "Getting ready to ask what was learned. The first time, that takes some seconds."
+
+
 @dataclass(frozen=True, eq=False)
 class Answer:
     """What is known by now of a state: the supposed one, or the one that was seen."""
@@ -45,8 +52,8 @@ class Supposing:
         self._answer: Answer | None = None
         self._dials: tuple[object, tuple[Dial, ...]] = (None, ())
 
-    def ask(self, view: View, thinker: Thinker) -> Answer | None:
-        """What is known now; the same object until there is more. None: nothing can be asked."""
+    def ask(self, view: View, thinker: Thinker) -> Answer | NoAnswer | None:
+        """What is known now; the same object until there is more. None: nothing, or not yet."""
         learned, spec, forest = view.learned, view.spec, view.forest
         if learned is None or spec is None or forest is None or view.observation is None:
             self._answer = None
@@ -59,7 +66,7 @@ class Supposing:
         if self._dials[0] is not learned:
             ranges = thinker.ranges(learned, spec)
             if ranges is None or isinstance(ranges, NoAnswer):
-                return None
+                return ranges
             self._dials = learned, make_dials(forest, ranges, spec)
         known = self._answer
         if known is None:
@@ -91,3 +98,12 @@ class Supposing:
             answer = thinker.faithfulness(learned, spec, decisions)
             return known if answer is None else replace(known, faithfulness=answer)
         return known
+
+
+def why_nothing(view: View, asked: Answer | NoAnswer | None) -> str:
+    """What to say where there is no answer to show."""
+    if isinstance(asked, NoAnswer):
+        return asked.words
+    if view.learned is None or view.observation is None:
+        return _NOTHING_TO_ASK
+    return _GETTING_READY

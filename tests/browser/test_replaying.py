@@ -81,7 +81,7 @@ def test_a_continuous_action_is_a_number(dashboard, open_window: Open):
     window.hold()
     window.press("First step")
     window.page.get_by_role("tab", name="Branch").click()
-    window.field("Steps after").fill("4")
+    window.field("Steps (0: all)").fill("4")
     window.field("Number").fill("1.7")
     window.field("Number").press("Enter")
     window.press("Take over with this number")

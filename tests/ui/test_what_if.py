@@ -26,7 +26,7 @@ from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.questions import CallOff, FindNearest, StopSupposing, Suppose, SupposeState, Task
 from ao2viz.ui.reduce import reduce
 from ao2viz.ui.session import Session
-from ao2viz.ui.supposing import STILL_S, Supposing
+from ao2viz.ui.supposing import STILL_S, Supposing, why_nothing
 from ao2viz.ui.thinker import NoAnswer, Thinker
 from ao2viz.ui.view import project
 from ao2viz.ui.world import World
@@ -206,6 +206,25 @@ def test_a_control_that_moves_on_leaves_no_old_questions_waiting(agent, thinker)
     gate.set()
     answer = settled(lambda: supposing.ask(view, thinker), lambda a: a and a.decision)
     assert answer.decision.observation.tolist() == view.supposed.tolist()
+
+
+def test_without_an_answer_it_says_whether_to_wait_or_what_to_do(agent, thinker, monkeypatch):
+    session, w = file_of(agent)
+    supposing, view = Supposing(Clock()), project(session, w)
+    gate = threading.Event()
+    learned = w.opened[SOURCE].learned
+    assert thinker._ask("busy", learned, lambda _: gate.wait(30)) is None
+    assert "some seconds" in why_nothing(view, supposing.ask(view, thinker))
+    running = replace(view, learned=None)
+    assert "hold the run" in why_nothing(running, supposing.ask(running, thinker))
+
+    def fail(env_id, n_features):
+        raise ValueError("There is no such environment.")
+
+    monkeypatch.setattr("ao2viz.ui.thinker.ranges_by_id", fail)
+    gate.set()
+    asked = settled(lambda: supposing.ask(view, thinker), lambda a: a is not None)
+    assert "There is no such environment." in why_nothing(view, asked)
 
 
 def test_an_episode_that_plays_asks_nothing_of_each_step(agent, thinker):

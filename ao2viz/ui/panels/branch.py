@@ -45,7 +45,7 @@ class BranchPanel:
         self._take_number = gui.add_button("Take over with this number", visible=False)
         _on_click_nearest(self._take_number, self, client_id, inbox)
         self._limit = gui.add_number(
-            "Steps after",
+            "Steps (0: all)",
             0,
             min=0,
             max=MAX_BRANCH_LIMIT,

@@ -18,7 +18,7 @@ from ao2viz.ui.inbox import Inbox, on_change, on_click, on_press, on_trigger
 from ao2viz.ui.jobs import Jobs, JobState
 from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.questions import CallOff, FindNearest, StopSupposing, Suppose, SupposeState, Task
-from ao2viz.ui.supposing import Answer
+from ao2viz.ui.supposing import Answer, why_nothing
 from ao2viz.ui.thinker import NoAnswer
 from ao2viz.ui.view import View
 from ao2viz.ui.what_if import nearest_subject
@@ -40,7 +40,7 @@ class WhatIfPanel:
         self._said: tuple[object, ...] = ()
         self._built: tuple[TaskSpec, tuple[Dial, ...]] | None = None
         self._found: NearestFlip | None = None
-        self._banner = gui.add_html(html_what_if.NOTHING_TO_ASK)
+        self._banner = gui.add_html("")
         gui.add_html(html.row(3))
         self._reset = gui.add_button("Reset", icon=viser.Icon.ARROW_BACK_UP, color="gray")
         on_click(self._reset, StopSupposing(), client_id, inbox)
@@ -66,8 +66,9 @@ class WhatIfPanel:
         trigger = gui.add_command("What if: go to the nearest flip that was found")
         on_press(trigger, self._to_nearest, client_id, inbox)
 
-    def sync(self, view: View, answer: Answer | None, jobs: Jobs) -> None:
+    def sync(self, view: View, asked: Answer | NoAnswer | None, jobs: Jobs) -> None:
         """Shows what is known by now."""
+        answer = asked if isinstance(asked, Answer) else None
         self._sync_search(view, answer, jobs)
         self._reset.disabled = view.supposed is None
         # Hides all dials as one: what is changed and removed within one message to the browser, as
@@ -76,7 +77,7 @@ class WhatIfPanel:
         if answer is None or view.spec is None or view.observation is None:
             self._answer = None
             self._said = ()
-            self._banner.content = html_what_if.NOTHING_TO_ASK
+            self._banner.content = html.notice(why_nothing(view, asked))
             for handle in (self._decision, self._certainty, self._path, self._ahead):
                 handle.content = ""
             return
