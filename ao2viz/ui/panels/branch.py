@@ -9,7 +9,7 @@ from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.words import capitalised
 from ao2viz.ui import html_replay
 from ao2viz.ui.commands import Command
-from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
+from ao2viz.ui.inbox import Inbox, on_change, on_click, on_press, on_trigger
 from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.panels.links import Links
 from ao2viz.ui.replay_commands import CancelBranch, LimitBranch, Rejoin, TakeOver
@@ -43,7 +43,7 @@ class BranchPanel:
         self._actions = Links(gui, "What will you do here?", client_id, inbox, _LISTED)
         self._number = gui.add_number("Number", 0.0, step=0.01, visible=False)
         self._take_number = gui.add_button("Take over with this number", visible=False)
-        _on_click_nearest(self._take_number, self, client_id, inbox)
+        on_press(self._take_number, self._nearest, client_id, inbox)
         self._limit = gui.add_number(
             "Steps (0: all)",
             0,
@@ -85,7 +85,7 @@ class BranchPanel:
             told = ", ".join(f"{value:g}" for value in grid[:, 0])
             self._number.hint = f"The nearest of the agent's own actions is taken: {told}."
 
-    def nearest(self) -> TakeOver | None:
+    def _nearest(self) -> TakeOver | None:
         """The action whose number is nearest to the one that was typed."""
         grid = self._spec.action_grid if self._spec is not None else None
         if grid is None:
@@ -99,15 +99,3 @@ class BranchPanel:
             is_action = i < len(names)
             key.label = f"Branch: take over with {names[i] if is_action else f'action {i}'}"
             key.disabled = not (is_action and can_take_over)
-
-
-def _on_click_nearest(
-    button: viser.GuiButtonHandle, panel: BranchPanel, client_id: int, inbox: Inbox
-) -> None:
-    """Sends the action that the typed number names at the moment it is pressed."""
-
-    @button.on_click
-    async def _(_: viser.GuiEvent) -> None:
-        command = panel.nearest()
-        if command is not None:
-            inbox.put(client_id, command)
