@@ -9,21 +9,8 @@ from ao2viz.figures.charts import Over
 from ao2viz.figures.coloring import Coloring
 from ao2viz.ui.dialog_commands import DialogCommand, NextStage
 from ao2viz.ui.look import Arrangement
-from ao2viz.ui.questions import (
-    CallOff,
-    ChooseDuelSeed,
-    ChooseFormat,
-    ChooseOther,
-    ChooseScope,
-    Export,
-    Fight,
-    FindNearest,
-    SeekDuel,
-    StopSupposing,
-    Suppose,
-    SupposeState,
-)
-from ao2viz.ui.replay_commands import ReplayCommand, SetPlaySpeed, ShowMoment
+from ao2viz.ui.questions import CallOff, CompareCommand, ExportCommand, WhatIfCommand
+from ao2viz.ui.replay_commands import ReplayCommand, ShowLink
 
 
 class Transport(Enum):
@@ -282,8 +269,8 @@ class ChooseDecideBy:
 Command = (
     Move
     | Seek
-    | SetPlaySpeed
     | ReplayCommand
+    | ShowLink
     | ChooseSource
     | ChooseEpisode
     | Pick
@@ -293,20 +280,11 @@ Command = (
     | OpenWeight
     | GoBack
     | GoForward
-    | ShowMoment
     | ShowAhead
     | FindState
-    | Suppose
-    | SupposeState
-    | StopSupposing
-    | FindNearest
-    | ChooseOther
-    | ChooseDuelSeed
-    | Fight
-    | SeekDuel
-    | ChooseFormat
-    | ChooseScope
-    | Export
+    | WhatIfCommand
+    | CompareCommand
+    | ExportCommand
     | CallOff
     | Fit
     | FocusPath

@@ -12,7 +12,14 @@ from ao2viz.recording.episode import Episode
 from ao2viz.store.saved import Learned, SavedAgent
 from ao2viz.ui.downloads import Notify
 from ao2viz.ui.jobs import Begin
-from ao2viz.ui.questions import ChooseDuelSeed, ChooseOther, Fight, SeekDuel, Task
+from ao2viz.ui.questions import (
+    ChooseDuelSeed,
+    ChooseOther,
+    CompareCommand,
+    Fight,
+    SeekDuel,
+    Task,
+)
 from ao2viz.ui.session import Session
 from ao2viz.ui.watched import learned_of, spec_of
 from ao2viz.ui.world import LoadFailure, World
@@ -58,7 +65,7 @@ def _misfit(one: TaskSpec, other: TaskSpec) -> str:
 
 
 def compare(
-    session: Session, command: ChooseOther | ChooseDuelSeed | Fight | SeekDuel, world: World
+    session: Session, command: CompareCommand, world: World
 ) -> tuple[Session, tuple[Notify | Begin, ...]]:
     """The session after a command, and what has to happen outside of it."""
     match command:

@@ -13,7 +13,7 @@ from ao2viz.exports.formats import ABOUT, Format, Scope, scopes_of
 from ao2viz.store.saved import SavedAgent
 from ao2viz.ui.downloads import Notify, SaveFile, stem_of
 from ao2viz.ui.jobs import Begin
-from ao2viz.ui.questions import ChooseFormat, ChooseScope, Task
+from ao2viz.ui.questions import ChooseFormat, ChooseScope, ExportCommand, Task
 from ao2viz.ui.questions import Export as ExportNow
 from ao2viz.ui.session import Session
 from ao2viz.ui.watched import agent_of, episode_of
@@ -61,7 +61,7 @@ def _problem(session: Session, world: World, scope: Scope) -> str:
 
 
 def take_away(
-    session: Session, command: ChooseFormat | ChooseScope | ExportNow, world: World
+    session: Session, command: ExportCommand, world: World
 ) -> tuple[Session, tuple[Notify | Begin, ...]]:
     """The session after a command, and what has to happen outside of it."""
     match command:

@@ -94,3 +94,8 @@ class CallOff:
     """Ends long work; what it has come to stays."""
 
     task: Task
+
+
+WhatIfCommand = Suppose | SupposeState | StopSupposing | FindNearest
+CompareCommand = ChooseOther | ChooseDuelSeed | Fight | SeekDuel
+ExportCommand = ChooseFormat | ChooseScope | Export

@@ -32,15 +32,11 @@ from ao2viz.ui.commands import (
     Download,
     Edit,
     Field,
-    Move,
     Pick,
     Press,
     RunButton,
-    Seek,
-    SetPlaySpeed,
     SetTrainingSpeed,
     ShowAhead,
-    ShowMoment,
 )
 from ao2viz.ui.comparing import compare
 from ao2viz.ui.dialog_commands import DialogCommand, NextStage
@@ -50,34 +46,9 @@ from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
 from ao2viz.ui.exporting import take_away
 from ao2viz.ui.jobs import Begin
 from ao2viz.ui.places import make_link
-from ao2viz.ui.questions import (
-    CallOff,
-    ChooseDuelSeed,
-    ChooseFormat,
-    ChooseOther,
-    ChooseScope,
-    Export,
-    Fight,
-    FindNearest,
-    SeekDuel,
-    StopSupposing,
-    Suppose,
-    SupposeState,
-)
-from ao2viz.ui.replay_commands import (
-    CancelBranch,
-    LimitBranch,
-    LookAround,
-    LookBack,
-    Rejoin,
-    SeekMoment,
-    SeekStop,
-    SetLoop,
-    SetStop,
-    ShowLink,
-    TakeOver,
-)
-from ao2viz.ui.replaying import leave_branch, play_on, steer
+from ao2viz.ui.questions import CallOff, CompareCommand, ExportCommand, WhatIfCommand
+from ao2viz.ui.replay_commands import ShowLink
+from ao2viz.ui.replaying import Replaying, leave_branch, play_on, steer
 from ao2viz.ui.session import OTHER_ENV, Form, Session
 from ao2viz.ui.settings import find_overrides
 from ao2viz.ui.shelf import NAME_RULE, ShelfEffect, path_for
@@ -104,6 +75,14 @@ def reduce(session: Session, command: Command, world: World) -> Result:
         return walk_on(_watch(session, None, world), world)
     if isinstance(command, DialogCommand):
         return attend(session, command, world)
+    if isinstance(command, Replaying):
+        return steer(session, command, world), ()
+    if isinstance(command, WhatIfCommand):
+        return suppose(session, command, world)
+    if isinstance(command, CompareCommand):
+        return compare(session, command, world)
+    if isinstance(command, ExportCommand):
+        return take_away(session, command, world)
     match command:
         case ChooseSource(path):
             return _watch(session, path, world), ()
@@ -129,35 +108,12 @@ def reduce(session: Session, command: Command, world: World) -> Result:
         case ShowAhead(is_shown):
             wanted = not session.shows_ahead if is_shown is None else is_shown
             return replace(session, shows_ahead=wanted), ()
-        case Suppose() | SupposeState() | StopSupposing() | FindNearest():
-            return suppose(session, command, world)
-        case ChooseOther() | ChooseDuelSeed() | Fight() | SeekDuel():
-            return compare(session, command, world)
-        case ChooseFormat() | ChooseScope() | Export():
-            return take_away(session, command, world)
         case CallOff():
             return session, (command,)
         case Download(table):
             return session, (make_table(table, session, world),)
         case ShowLink():
             return session, (make_link(session, world),)
-        case (
-            Move()
-            | Seek()
-            | SetPlaySpeed()
-            | SetLoop()
-            | SeekMoment()
-            | SetStop()
-            | SeekStop()
-            | ShowMoment()
-            | TakeOver()
-            | LimitBranch()
-            | CancelBranch()
-            | Rejoin()
-            | LookBack()
-            | LookAround()
-        ):
-            return steer(session, command, world), ()
         case _:
             return _explore(session, command, world)
 

@@ -90,7 +90,9 @@ class LookAround:
 
 
 ReplayCommand = (
-    SetLoop
+    SetPlaySpeed
+    | ShowMoment
+    | SetLoop
     | SeekMoment
     | SetStop
     | SeekStop
@@ -98,7 +100,6 @@ ReplayCommand = (
     | LimitBranch
     | CancelBranch
     | Rejoin
-    | ShowLink
     | LookBack
     | LookAround
 )

@@ -18,17 +18,20 @@ from ao2viz.explain.words import count
 from ao2viz.recording.episode import Episode
 from ao2viz.training.branching import Takeover
 from ao2viz.ui.branches import Branch, BranchFailure, BranchWish
-from ao2viz.ui.commands import Move, Seek, SetPlaySpeed, ShowMoment, Transport
+from ao2viz.ui.commands import Move, Seek, Transport
 from ao2viz.ui.replay_commands import (
     CancelBranch,
     LimitBranch,
     LookAround,
     LookBack,
     Rejoin,
+    ReplayCommand,
     SeekMoment,
     SeekStop,
     SetLoop,
+    SetPlaySpeed,
     SetStop,
+    ShowMoment,
     TakeOver,
 )
 from ao2viz.ui.session import Session
@@ -41,22 +44,7 @@ STEPS_PER_S = 10.0
 MAX_BRANCH_LIMIT = 10_000
 _GLANCES = 50  # So many glances lead from an agent's beginning to now.
 
-Replaying = (
-    Move
-    | Seek
-    | SetPlaySpeed
-    | SetLoop
-    | SeekMoment
-    | SetStop
-    | SeekStop
-    | ShowMoment
-    | TakeOver
-    | LimitBranch
-    | CancelBranch
-    | Rejoin
-    | LookBack
-    | LookAround
-)
+Replaying = Move | Seek | ReplayCommand
 """The commands that this file knows."""
 
 

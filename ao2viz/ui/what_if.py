@@ -14,7 +14,14 @@ from ao2viz.explain.nearest import NearestFlip, find_nearest_flip
 from ao2viz.store.saved import Learned
 from ao2viz.ui.downloads import Notify
 from ao2viz.ui.jobs import Begin
-from ao2viz.ui.questions import FindNearest, StopSupposing, Suppose, SupposeState, Task
+from ao2viz.ui.questions import (
+    FindNearest,
+    StopSupposing,
+    Suppose,
+    SupposeState,
+    Task,
+    WhatIfCommand,
+)
 from ao2viz.ui.session import Session, Supposition
 from ao2viz.ui.watched import learned_of, observation_of, spec_of
 from ao2viz.ui.world import World
@@ -37,9 +44,7 @@ def state_of(
 
 
 def suppose(
-    session: Session,
-    command: Suppose | SupposeState | StopSupposing | FindNearest,
-    world: World,
+    session: Session, command: WhatIfCommand, world: World
 ) -> tuple[Session, tuple[Notify | Begin, ...]]:
     """The session after a command, and what has to happen outside of it."""
     observation = observation_of(session, world)

@@ -21,13 +21,13 @@ from ao2viz.ui.commands import (
     OpenWeight,
     Select,
     ShowAhead,
-    ShowMoment,
     Walk,
     Way,
 )
 from ao2viz.ui.look import Arrangement, Look
 from ao2viz.ui.overlay import Moment, overlay
 from ao2viz.ui.picture import draw
+from ao2viz.ui.replay_commands import ShowMoment
 from ao2viz.ui.session import Session
 from ao2viz.ui.thinker import NoAnswer, Thinker
 from ao2viz.ui.uses import Use, find_uses

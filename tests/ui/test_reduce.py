@@ -37,7 +37,6 @@ from ao2viz.ui.commands import (
     RunButton,
     Seek,
     Select,
-    SetPlaySpeed,
     SetTrainingSpeed,
     TidyUp,
     Transport,
@@ -45,6 +44,7 @@ from ao2viz.ui.commands import (
 from ao2viz.ui.downloads import Notify
 from ao2viz.ui.look import Look
 from ao2viz.ui.reduce import PickOption, advance, follow, reduce, run_command
+from ao2viz.ui.replay_commands import SetPlaySpeed
 from ao2viz.ui.session import OTHER_ENV, Form, Place, Session
 from ao2viz.ui.view import project
 from ao2viz.ui.world import LoadFailure, ShelfItem, World

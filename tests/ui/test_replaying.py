@@ -15,7 +15,7 @@ from ao2viz.training.states import RunStatus
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui import html_past, html_replay
 from ao2viz.ui.branches import BranchFailure, BranchUnderWay
-from ao2viz.ui.commands import ChooseEpisode, ChooseSource, Command, Seek, ShowMoment
+from ao2viz.ui.commands import ChooseEpisode, ChooseSource, Command, Seek
 from ao2viz.ui.gallery import Gallery
 from ao2viz.ui.reduce import advance, follow, reduce
 from ao2viz.ui.replay_commands import (
@@ -28,6 +28,7 @@ from ao2viz.ui.replay_commands import (
     SeekStop,
     SetLoop,
     SetStop,
+    ShowMoment,
     TakeOver,
 )
 from ao2viz.ui.session import Session, Wanted

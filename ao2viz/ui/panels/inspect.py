@@ -18,11 +18,11 @@ from ao2viz.ui.commands import (
     OpenWeight,
     Select,
     SelectDecided,
-    ShowMoment,
 )
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.panels.links import Links
+from ao2viz.ui.replay_commands import ShowMoment
 from ao2viz.ui.thinker import NoAnswer, Thinker
 from ao2viz.ui.typed import tell_apart
 from ao2viz.ui.uses import Use, find_uses

@@ -7,11 +7,11 @@ import viser
 from viser._messages import HotkeyKey
 
 from ao2viz.ui import html
-from ao2viz.ui.commands import ChooseEpisode, ChooseSource, Move, Seek, SetPlaySpeed, Transport
+from ao2viz.ui.commands import ChooseEpisode, ChooseSource, Move, Seek, Transport
 from ao2viz.ui.frames import BLANK, BLANK_JPEG
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.mirror import Mirror
-from ao2viz.ui.replay_commands import SeekMoment, SetLoop
+from ao2viz.ui.replay_commands import SeekMoment, SetLoop, SetPlaySpeed
 from ao2viz.ui.view import View
 
 LIVE: str = "Training, live"
