@@ -156,7 +156,7 @@ class Browser:
             way = answer.ahead if isinstance(answer.ahead, Ahead) else None
             seen = answer.state[None]
             moment = Moment(answer.decision, view.selected, seen, way, is_supposed=True)
-        walk = None if moment.is_supposed else view.walk
+        walk = None if moment.is_supposed or view.back is not None else view.walk
         inputs = (
             self._picture,
             moment.decision,

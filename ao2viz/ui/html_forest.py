@@ -12,6 +12,9 @@ from ao2viz.ui.html import colors_of, esc
 from ao2viz.ui.look import Arrangement, Look
 from ao2viz.ui.picture import Picture
 
+GREY = "has tried nothing yet"
+"""What an option without a colour tells."""
+
 _MOST_SWATCHES = 9
 _LINE_PX = 17.5
 _AROUND_PX = 74.0  # The bar above, the buttons and the padding.
@@ -28,12 +31,16 @@ _TOLD: dict[Coloring, str] = {
 
 
 def legend(
-    spec: TaskSpec | None, view: ForestView | None, look: Look, picture: Picture | None
+    spec: TaskSpec | None,
+    view: ForestView | None,
+    look: Look,
+    picture: Picture | None,
+    grey: str = GREY,
 ) -> str:
-    """What the colours, sizes and lines of the canvas mean."""
+    """What the colours, sizes and lines of the canvas mean; `grey` is what that colour tells."""
     if spec is None or view is None or picture is None:
         return '<div class="ao-legend ao-dim">No forest yet.</div>'
-    return f'<div class="ao-legend">{"".join(_rows(spec, view, look, picture))}</div>'
+    return f'<div class="ao-legend">{"".join(_rows(spec, view, look, picture, grey))}</div>'
 
 
 def legend_size(
@@ -42,13 +49,13 @@ def legend_size(
     """Width and height in pixels of the panel with the legend, rather too big than too small."""
     if spec is None or view is None or picture is None:
         return _WIDTH_PX, _AROUND_PX + _LINE_PX
-    height = _AROUND_PX + _LINE_PX * len(_rows(spec, view, look, picture))
+    height = _AROUND_PX + _LINE_PX * len(_rows(spec, view, look, picture, GREY))
     if look.coloring is not Coloring.ACTION:
         height += _RAMP_PX + _LINE_PX * (len(_told(look)) // _LETTERS)
     return _WIDTH_PX, height
 
 
-def _rows(spec: TaskSpec, view: ForestView, look: Look, picture: Picture) -> list[str]:
+def _rows(spec: TaskSpec, view: ForestView, look: Look, picture: Picture, grey: str) -> list[str]:
     roots = int(((view.parents == NO_OPTION) & view.is_alive).sum())
     rows = [
         f"<b>{esc(spec.title)}</b>",
@@ -57,8 +64,9 @@ def _rows(spec: TaskSpec, view: ForestView, look: Look, picture: Picture) -> lis
     ]
     if picture.n_hidden:
         rows.append(f'<div class="ao-warn">{count(picture.n_hidden, "option")} hidden</div>')
-    rows += _color_rows(spec, look, picture)
-    rows.append('<div class="ao-dim">bigger: visited more often</div>')
+    rows += _color_rows(spec, look, picture, grey)
+    if view.visits.any():
+        rows.append('<div class="ao-dim">bigger: visited more often</div>')
     if look.arrangement is Arrangement.CONES:
         rows.append('<div class="ao-dim">higher: nearer to its root</div>')
     if len(picture.folded):
@@ -79,8 +87,8 @@ def _place_word(look: Look, roots: int) -> str:
     return f" ({words[look.arrangement][int(roots != 1)]})"
 
 
-def _color_rows(spec: TaskSpec, look: Look, picture: Picture) -> list[str]:
-    grey = _swatch(to_hex(UNTRIED), "has tried nothing yet")
+def _color_rows(spec: TaskSpec, look: Look, picture: Picture, told: str) -> list[str]:
+    grey = _swatch(to_hex(UNTRIED), told)
     marks = picture.shades.marks
     if marks is None:
         named = list(zip(colors_of(spec), spec.action_names, strict=True))

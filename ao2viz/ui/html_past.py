@@ -2,8 +2,9 @@
 
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import Decision
-from ao2viz.explain.words import capitalised, count, number, told_apart
+from ao2viz.explain.words import count, number, told_apart
 from ao2viz.ui.html import esc
+from ao2viz.ui.html_forest import GREY
 from ao2viz.ui.view import Back, View
 
 
@@ -17,6 +18,22 @@ def canvas_line(view: View) -> str:
     if view.back is None:
         return ""
     return f'<div class="ao"><p class="ao-banner">{esc(say_back(view.back))}</p></div>'
+
+
+def say_grey(back: Back | None) -> str:
+    """What grey options tell: in the past mostly that nothing was kept of them."""
+    if back is None:
+        return GREY
+    if back.moment.snapshot is None:
+        return "weights of then are not known"
+    return "had tried nothing, or is newer"
+
+
+def of_now(view: View, words: str) -> str:
+    """That something tells of now beside a canvas that shows the past; else nothing."""
+    if view.back is None:
+        return ""
+    return f'<div class="ao"><p class="ao-warn">{esc(words)}</p></div>'
 
 
 def past_facts(view: View, then: Decision | None) -> str:
@@ -83,11 +100,7 @@ def _decision(view: View, then: Decision | None) -> list[str]:
     if view.decision is not None:
         same = view.decision.action == then.action
         recorded = spec.action_names[view.decision.action]
-        lines.append(
-            f"{capitalised('the same' if same else recorded)} as recorded."
-            if same
-            else f"Recorded: {recorded}."
-        )
+        lines.append("The same as recorded." if same else f"Recorded: {recorded}.")
     if isinstance(view.config, AnticipatingConfig) and view.config.think_ahead:
         lines.append("It is asked without thinking ahead.")
     return lines

@@ -90,7 +90,7 @@ def stops(view: View) -> str:
     if replay.stop_problem:
         return f'<div class="ao"><p class="ao-error">{esc(replay.stop_problem)}</p></div>'
     if not replay.stop_text:
-        words = "For example: margin &lt; 0.1 · action = 0 · explored or step = 100"
+        words = "margin &lt; 0.1 · action = 0 · explored or step = 100"
         if view.spec is not None:
             feature, action = view.spec.features[-1], view.spec.action_names[0]
             words = esc(f"margin < 0.1 · {feature.name} > 0.5 and not explored · action = {action}")

@@ -131,6 +131,7 @@ def test_the_past_of_the_forest_can_be_looked_at(dashboard, open_window: Open):
     window.press("Earlier")
     window.wait_for_text("You are looking at step 1,470 of 1,500 of training.")
     window.wait_for_text("Weights, visits and attention are those after step 1,280")
+    window.wait_for_text("had tried nothing, or is newer")
     window.wait_for_text("Seeing what the replay shows, it would have chosen")
     then = window.view.back
     assert then is not None

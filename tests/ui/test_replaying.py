@@ -1,10 +1,13 @@
 """The replay's commands: moments, conditions, loops, branches; plain functions, no server."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import viser
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -17,6 +20,12 @@ from ao2viz.ui import html_past, html_replay
 from ao2viz.ui.branches import BranchFailure, BranchUnderWay
 from ao2viz.ui.commands import ChooseEpisode, ChooseSource, Command, Seek
 from ao2viz.ui.gallery import Gallery
+from ao2viz.ui.inbox import Inbox
+from ao2viz.ui.jobs import Jobs
+from ao2viz.ui.panels.inspect import InspectPanel
+from ao2viz.ui.panels.legend import LegendPanel
+from ao2viz.ui.panels.what_if import WhatIfPanel
+from ao2viz.ui.panels.why import WhyPanel
 from ao2viz.ui.reduce import advance, follow, reduce
 from ao2viz.ui.replay_commands import (
     CancelBranch,
@@ -31,7 +40,9 @@ from ao2viz.ui.replay_commands import (
     ShowMoment,
     TakeOver,
 )
+from ao2viz.ui.security import make_server
 from ao2viz.ui.session import Session, Wanted
+from ao2viz.ui.thinker import Thinker
 from ao2viz.ui.view import project
 from ao2viz.ui.world import LoadFailure, World
 from tests.ui.test_reduce import FILE, after, episode, watching, world
@@ -330,3 +341,55 @@ def test_only_what_stood_is_drawn_and_it_stands_where_it_always_stands():
     assert pictures[15].discs[1].astype(bool).sum() == 1
     assert pictures[95].discs[1].astype(bool).sum() == 2
     gallery.close()
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[viser.ViserServer]:
+    made = make_server("127.0.0.1", 0)
+    yield made
+    made.stop()
+
+
+def test_what_is_not_known_of_the_past_is_not_told_as_if_it_were(server):
+    life, gallery = lived(), Gallery()
+    panel = LegendPanel(server.gui, 1, Inbox())
+    said = []
+    for command in (LookBack(25), LookBack(None)):
+        view = project(after(watching(), command, life), life)
+        forest, key = view.forest, ("file", str(FILE), 0)
+        assert view.spec is not None
+        assert forest is not None
+        picture = gallery.get(key, forest, view.spec, view.look)
+        if view.back is not None:
+            then, key = view.back.moment.view, ("past file", str(FILE), 0)
+            picture = gallery.get_past(key, view.back.past, then, view.spec, view.look)
+        panel.sync(view, picture)
+        said.append(panel._text.content)
+    gallery.close()
+    assert "weights of then are not known" in said[0]
+    assert "has tried nothing yet" not in said[0]
+    assert "visited more often" not in said[0]
+    assert "has tried nothing yet" in said[1]
+    assert "visited more often" in said[1]
+    kept = SimpleNamespace(moment=SimpleNamespace(snapshot=20))
+    assert "is newer" in html_past.say_grey(kept)  # pyright: ignore
+
+
+def test_what_goes_on_telling_of_now_says_so_while_the_past_is_shown(server):
+    life, thinker = lived(), Thinker()
+    why, inspect = WhyPanel(server.gui), InspectPanel(server.gui, 1, Inbox())
+    what_if = WhatIfPanel(server.gui, 1, Inbox())
+    said = {}
+    for step in (25, None):
+        view = project(after(watching(selected=4), LookBack(step), life), life)
+        why.sync(view, "")
+        inspect.sync(view, thinker)
+        what_if.sync(view, None, Jobs())
+        said[step] = (why._line.content, inspect._line.content, what_if._line.content)
+    thinker.close()
+    for past, now in zip(said[25], said[None], strict=True):
+        assert "ao-warn" in past
+        assert now == ""
+    assert "the decision of the replay, not what" in said[25][0]
+    assert "as it is now, not as it was" in said[25][1]
+    assert "canvas shows the past" in said[25][2]

@@ -10,7 +10,7 @@ from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.origin import Origin
 from ao2viz.explain.words import percent
-from ao2viz.ui import html, html_reasons
+from ao2viz.ui import html, html_past, html_reasons
 from ao2viz.ui.commands import (
     Command,
     GoBack,
@@ -34,6 +34,7 @@ _HELP = (
     '<div class="ao"><p class="ao-dim">Click an option on the canvas, type its id above, or take '
     "the option that decided.</p></div>"
 )
+_OF_NOW = "Below stands the option as it is now, not as it was at the moment on the canvas."
 _KEYS: tuple[tuple[str, Command, HotkeyKey, KeyModifier | None], ...] = (
     ("Inspect: back to what was selected before", GoBack(), "Z", None),
     ("Inspect: forward again", GoForward(), "Z", "shift"),
@@ -58,6 +59,7 @@ class InspectPanel:
         self._search = gui.add_number("Option id", 0, min=0, max=10_000_000, step=1)
         self._search_shown = Mirror(self._search)
         on_change(self._search, Select, client_id, inbox)
+        self._line = gui.add_html("")
         self._facts = gui.add_html(_HELP)
         self._actions: tuple[str, ...] = ()
         self._weight = gui.add_dropdown(
@@ -77,6 +79,7 @@ class InspectPanel:
 
     def sync(self, view: View, thinker: Thinker) -> None:
         """Shows the selected option, or how to select one."""
+        self._line.content = html_past.of_now(view, _OF_NOW)
         decision, forest, spec = view.decision, view.forest, view.spec
         self._take.disabled = decision is None or len(decision.path) == 0
         self._back.disabled = not view.can_go_back

@@ -47,6 +47,8 @@ class LegendPanel:
             return
         self._shown = shown
         words = html_past.canvas_line(view)
-        self._text.content = words + legend(view.spec, forest, view.look, picture)
+        self._text.content = words + legend(
+            view.spec, forest, view.look, picture, html_past.say_grey(view.back)
+        )
         size = legend_size(view.spec, forest, view.look, picture)
         self.size = size[0] + _GAP_PX, size[1] + _GAP_PX

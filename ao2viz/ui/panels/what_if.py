@@ -11,7 +11,7 @@ from ao2viz.explain.ahead import Ahead
 from ao2viz.explain.faithful import Faithfulness
 from ao2viz.explain.flips import Flip, Flips
 from ao2viz.explain.nearest import NearestFlip
-from ao2viz.ui import html, html_reasons, html_what_if
+from ao2viz.ui import html, html_past, html_reasons, html_what_if
 from ao2viz.ui.commands import Command
 from ao2viz.ui.dials import Dial
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_press, on_trigger
@@ -23,6 +23,7 @@ from ao2viz.ui.thinker import NoAnswer
 from ao2viz.ui.view import View
 from ao2viz.ui.what_if import nearest_subject
 
+_OF_NOW = "The agent of now is asked here. The canvas shows the past, not the answer."
 _PLAYING = "Hold the replay to see what would flip this."
 _KEYS: tuple[tuple[str, Command, HotkeyKey | None], ...] = (
     ("What if: back to the moment of the replay", StopSupposing(), "0"),
@@ -40,6 +41,7 @@ class WhatIfPanel:
         self._said: tuple[object, ...] = ()
         self._built: tuple[TaskSpec, tuple[Dial, ...]] | None = None
         self._found: NearestFlip | None = None
+        self._line = gui.add_html("")
         self._banner = gui.add_html("")
         gui.add_html(html.row(3))
         self._reset = gui.add_button("Reset", icon=viser.Icon.ARROW_BACK_UP, color="gray")
@@ -68,6 +70,7 @@ class WhatIfPanel:
 
     def sync(self, view: View, asked: Answer | NoAnswer | None, jobs: Jobs) -> None:
         """Shows what is known by now."""
+        self._line.content = html_past.of_now(view, _OF_NOW)
         answer = asked if isinstance(asked, Answer) else None
         self._sync_search(view, answer, jobs)
         self._reset.disabled = view.supposed is None

@@ -4,8 +4,10 @@ import viser
 
 from ao2viz.explain.ahead import Ahead
 from ao2viz.recording.cycle import Stage
-from ao2viz.ui import html, html_cycle, html_reasons, html_replay
+from ao2viz.ui import html, html_cycle, html_past, html_reasons, html_replay
 from ao2viz.ui.view import View
+
+_OF_NOW = "Below stands the decision of the replay, not what the agent would have chosen then."
 
 
 class WhyPanel:
@@ -22,7 +24,7 @@ class WhyPanel:
 
     def sync(self, view: View, problem: str, ahead: Ahead | None = None) -> None:
         """Shows the decision; `problem` is why there is no picture of it."""
-        self._line.content = html_replay.line(view)
+        self._line.content = html_replay.line(view) + html_past.of_now(view, _OF_NOW)
         self._sync_words(view, problem)
         if ahead is not self._told_ahead:
             self._told_ahead = ahead
@@ -32,7 +34,7 @@ class WhyPanel:
                 self._ahead.content = ""
 
     def _sync_words(self, view: View, problem: str) -> None:
-        supposes = view.supposed is not None
+        supposes = view.supposed is not None and view.back is None
         taken = "" if supposes else html_replay.taken_over(view)
         moment = (view.decision, supposes, view.notice, problem, view.forest_key, taken)
         walk = None if supposes else view.walk
