@@ -6,8 +6,14 @@ BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 AGENT ?=
 
+# The tests of the page run alone, one after the other: a browser wants the processors to itself.
+# pytest gives 5 where PYTEST_ARGS leave none of one kind.
+PYTEST = $(BIN)/python -m pytest
+TESTS = { $(PYTEST) -m "not browser" -n logical --maxprocesses 4 --dist worksteal \
+	$(PYTEST_ARGS) || [ $$? = 5 ]; } && { $(PYTEST) -m browser $(PYTEST_ARGS) || [ $$? = 5 ]; }
+
 .DEFAULT_GOAL := help
-.PHONY: help install app test check format lint types schemas browser clean
+.PHONY: help install app test check format lint types schemas pictures browser clean
 
 help: ## List these commands.
 	@grep -hE '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/^([a-z-]+):.*## /\1\t/' | \
@@ -19,11 +25,11 @@ app: $(VENV)/.app ## Install what is missing, then open the dashboard (AGENT=fil
 	@$(BIN)/python app.py $(AGENT)
 
 test: $(VENV)/.test browser ## Install what is missing, then run every test.
-	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+	@$(TESTS)
 
 check: $(VENV)/.test browser ## Check format, lint and types, then run every test.
 	@$(MAKE) --no-print-directory lint types
-	@$(BIN)/python -m pytest $(PYTEST_ARGS)
+	@$(TESTS)
 
 lint: $(VENV)/.dev ## Check format and lint.
 	@$(BIN)/ruff format --check .
@@ -39,7 +45,7 @@ format: $(VENV)/.dev ## Format the code and mend what the linter can.
 schemas: $(VENV)/.app ## Make the trained agents that ship with the app anew.
 	$(call schema,CartPole-v1,20000,0,--set refreshes=8 --set attention_width=5)
 	$(call schema,Pendulum-v1,10000,0,--set refreshes=8)
-	$(call schema,Acrobot-v1,20000,0,--set refreshes=8 --set levels=3)
+	$(call schema,Acrobot-v1,19500,0,--set refreshes=8 --set levels=3)
 	$(call schema,MountainCar-v0,20000,0,--set refreshes=8)
 
 # Environment, steps, seed, settings: train one agent and record two episodes into its file.
@@ -47,6 +53,9 @@ define schema
 	$(BIN)/ao2viz train $(1) --steps $(2) --seed $(3) $(4) --out saved_schemas/$(1).ao2 --overwrite
 	$(BIN)/ao2viz record saved_schemas/$(1).ao2 --episodes 2
 endef
+
+pictures: $(VENV)/.test browser ## Take the pictures of the guide anew, in both themes (NAMES=… for some).
+	@$(BIN)/python -m tools.pictures $(NAMES)
 
 clean: ## Remove .venv and everything else that was made here.
 	rm -rf $(VENV) dist build .pytest_cache .ruff_cache .hypothesis test-results

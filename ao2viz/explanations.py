@@ -1,6 +1,7 @@
 """`agent.explain`: everything that can be asked of an agent about its decisions."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from numpy.typing import ArrayLike
@@ -13,16 +14,19 @@ from ao2viz.core.mind import Mind
 from ao2viz.core.paper import PaperLearner
 from ao2viz.envs.ranges import Ranges, ranges_of, unlimited
 from ao2viz.envs.task import TaskSpec, to_observation
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.ahead import Ahead, look_ahead
 from ao2viz.explain.background import Background
 from ao2viz.explain.contrast import WhyNot, explain_why_not
+from ao2viz.explain.faithful import Trials
 from ao2viz.explain.flips import Flips, explain_flips
 from ao2viz.explain.forgetting import Forgotten, compare_without
 from ao2viz.explain.ledger import Account, close_ledger
 from ao2viz.explain.nearest import NearestFlip, Progress, find_nearest_flip
+from ao2viz.explain.option import WholeOption, explain_option
 from ao2viz.explain.origin import Origin, explain_weight
-from ao2viz.explain.telling import Told, tell
-from ao2viz.explain.whole import Comparison, Novelty
+from ao2viz.explain.telling import CHECKS, Told, tell
+from ao2viz.explain.whole import Comparison, Novelty, sample_states
 from ao2viz.explain.why import Why, explain_why
 from ao2viz.training.relearning import Progress as LearningProgress
 from ao2viz.training.relearning import check_same, learn_again
@@ -55,12 +59,15 @@ class Explainer:
         self._seed, self._n_steps = saved.seed, saved.n_steps
         self._state, self._history = saved.state, saved.history
         self._episodes = saved.episodes
-        self._is_known_to_repeat = False
+        self._repeated: Faithfulness | None = None  # None: nobody has tried yet.
         self.mind = Mind(agent.config, saved.state)
+        decisions = [decision for episode in self._episodes for decision in episode.decisions]
+        self._trials = Trials(self.mind, self.spec, decisions, lambda: self.ranges)
 
     def why(self, situation: Situation) -> Why:
         """Why this action: path, distances, expectations and what they are made of."""
-        return explain_why(self._decision(situation), self.spec, self.mind.view)
+        why = explain_why(self._decision(situation), self.spec, self.mind.view)
+        return replace(why, faithfulness=self._trials.on(CHECKS[Why]))
 
     def why_not(self, situation: Situation, action: int | str) -> WhyNot:
         """Why not that action, given by its index or its name.
@@ -69,12 +76,14 @@ class Explainer:
             ValueError: If there is no such action, or it is the chosen one.
         """
         decision = self._decision(situation)
-        return explain_why_not(decision, self.action(action), self.mind.view)
+        found = explain_why_not(decision, self.action(action), self.mind.view)
+        return replace(found, faithfulness=self._trials.on(CHECKS[WhyNot]))
 
     def flips(self, situation: Situation) -> Flips:
         """What would flip it: for each feature the nearest flips, and a certified radius."""
         decision = self._decision(situation)
-        return explain_flips(self.mind, decision, self.ranges)
+        found = explain_flips(self.mind, decision, self.ranges)
+        return replace(found, faithfulness=self._trials.on(CHECKS[Flips]))
 
     def nearest_flip(
         self,
@@ -90,16 +99,21 @@ class Explainer:
             ValueError: If the agent votes or thinks ahead, or there is no SciPy.
         """
         seen = self._decision(situation).observation
-        return find_nearest_flip(self.mind, seen, self.ranges, time_limit_s, on_progress)
+        found = find_nearest_flip(self.mind, seen, self.ranges, time_limit_s, on_progress)
+        return replace(found, faithfulness=self._trials.on(CHECKS[NearestFlip]))
 
     def nearest_flip_in_background(
         self, situation: Situation, time_limit_s: float = 30.0
     ) -> Background[NearestFlip]:
         """`nearest_flip` in a thread of its own: its `latest`, `cancel()` and `result()`."""
         seen, mind, ranges = self._decision(situation).observation, self.mind.copy(), self.ranges
-        return Background(
-            lambda report: find_nearest_flip(mind, seen, ranges, time_limit_s, report)
-        )
+        trials = self._trials.copy(mind, ranges)
+
+        def search(report: Callable[[NearestFlip], bool]) -> NearestFlip:
+            found = find_nearest_flip(mind, seen, ranges, time_limit_s, report)
+            return replace(found, faithfulness=trials.on(CHECKS[NearestFlip]))
+
+        return Background(search)
 
     @property
     def whole(self) -> WholeAgent:
@@ -127,7 +141,8 @@ class Explainer:
         Raises:
             ValueError: If the agent has not learned what follows an action (the paper's has not).
         """
-        return look_ahead(self.mind, self._decision(situation).observation, limit)
+        way = look_ahead(self.mind, self._decision(situation).observation, limit)
+        return replace(way, faithfulness=self._trials.on(CHECKS[Ahead]))
 
     def weight(self, option: int, action: int | str) -> Origin:
         """Where the weight of an action at an option comes from: its story, step by step.
@@ -135,7 +150,17 @@ class Explainer:
         Raises:
             ValueError: If there is no such option or action, or the agent imagines nothing.
         """
-        return explain_weight(self.mind, option, self.action(action))
+        origin = explain_weight(self.mind, option, self.action(action))
+        return replace(origin, faithfulness=self._trials.on(CHECKS[Origin]))
+
+    def option(self, option: int) -> WholeOption:
+        """One option in full: value, weights and what they rest on, experience, recorded uses.
+
+        Raises:
+            ValueError: If there is no such living option.
+        """
+        found = explain_option(self.mind, option, self._episodes)
+        return replace(found, faithfulness=self._trials.on(CHECKS[WholeOption]))
 
     def ledger(
         self, option: int, action: int | str, on_progress: LearningProgress | None = None
@@ -164,8 +189,9 @@ class Explainer:
             assert isinstance(learner, PaperLearner)
             learner.ledger = ledger
 
-        self._repeat(watch, on_progress)
-        return close_ledger(ledger, float(view.weights[option, index]), self._history)
+        repeated = self._repeat(watch, on_progress)
+        account = close_ledger(ledger, float(view.weights[option, index]), self._history)
+        return replace(account, faithfulness=repeated)
 
     def forget(self, episode: int, on_progress: LearningProgress | None = None) -> Forgotten:
         """Which decisions would be others, had a training episode never been learned from.
@@ -186,8 +212,9 @@ class Explainer:
                 f"There is no training episode {episode}; {len(self._history):,} were finished, "
                 f"counted from 0."
             )
-        if not self._is_known_to_repeat:
-            self._repeat(None, _half(on_progress, 0))
+        repeated = self._repeated
+        if repeated is None:
+            repeated = self._repeat(None, _half(on_progress, 0))
         learner = learn_again(
             self._agent.env,
             self.spec,
@@ -199,12 +226,19 @@ class Explainer:
         )
         other = Mind(self.mind.config, learner.get_state())
         _, reward, length, _ = self._history[episode].tolist()
-        return compare_without(self.mind, other, self.whole.states(), episode, int(length), reward)
+        states = self.whole.states()
+        found = compare_without(self.mind, other, states, episode, int(length), reward)
+        return replace(found, faithfulness=repeated)
 
     def _repeat(
         self, watch: Callable[[Learner], None] | None, on_progress: LearningProgress | None
-    ) -> None:
-        """Learns the agent again, and makes sure that it is the same."""
+    ) -> Faithfulness:
+        """Learns the agent again, and makes sure that it is the same; says how often it decides so.
+
+        Raises:
+            ValueError: If it comes out otherwise.
+            LearningStoppedError: If `on_progress` ended it.
+        """
         learner = learn_again(
             self._agent.env,
             self.spec,
@@ -216,7 +250,9 @@ class Explainer:
             on_progress=on_progress,
         )
         check_same(learner, self._state)
-        self._is_known_to_repeat = True
+        again = Mind(self.mind.config, learner.get_state())
+        self._repeated = self._trials.learned_again(again, sample_states(self.whole.states()))
+        return self._repeated
 
     def tell(self, told: Told) -> str:
         """Any explanation from here in plain sentences, a line each."""

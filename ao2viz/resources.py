@@ -18,3 +18,8 @@ def saved_schemas() -> Path:
 def static() -> Path:
     """The folder of what browsers load from us."""
     return _shipped("static")
+
+
+def learner_curves() -> Path:
+    """The learning curves of the paper's comparison, as `ao2viz paper` wrote them."""
+    return _shipped("docs/paper") / "curves.json"

@@ -91,7 +91,9 @@ def main() -> None:
     taken: dict[str, list[float]] = {"structure": [], "picture": [], "hand over": []}
     taken |= {"move": [], "move, processor": []}
     began = time.perf_counter()
-    gallery.get_past(("past", "", 0), past, past.at(past.n_steps - 1).view, spec, look)
+    last = past.at(past.n_steps - 1).view
+    while gallery.get_past(("past", "", 0), past, last, spec, look) is None:
+        time.sleep(0.001)
     first = time.perf_counter() - began
     for step in np.random.default_rng(1).integers(0, past.n_steps, arguments.moves).tolist():
         times, cpu = [time.perf_counter()], time.thread_time()
@@ -100,6 +102,8 @@ def main() -> None:
         picture = gallery.get_past(("past", "", 0), past, view, spec, look)
         times.append(time.perf_counter())
         canvas.sync(picture, None, None)
+        while canvas.is_busy:
+            canvas.sync(picture, None, None)
         times.append(time.perf_counter())
         for name, duration in zip(taken, np.diff(times), strict=False):
             taken[name].append(float(duration))

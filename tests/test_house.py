@@ -100,6 +100,7 @@ EVERYTHING = [
     *SOURCES,
     *sorted((ROOT / "tests").rglob("*.py")),
     *sorted((ROOT / "benchmarks").rglob("*.py")),
+    *sorted((ROOT / "tools").rglob("*.py")),
     ROOT / "app.py",
 ]
 

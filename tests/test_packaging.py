@@ -81,6 +81,7 @@ def test_the_wheel_carries_the_package_and_what_ships_with_it(wheel: Path) -> No
         if "__pycache__" not in path.parts
     }
     assert modules <= names
+    assert "ao2viz/_data/docs/paper/curves.json" in names
     assert not any(name.startswith(("tests/", "benchmarks/")) for name in names)
 
 
@@ -90,15 +91,16 @@ def test_installed_elsewhere_it_finds_its_files(installed: Path, tmp_path: Path)
         "list_files = lambda d: sorted(p.relative_to(d).as_posix() for p in d.rglob('*') "
         "if p.is_file())\n"
         "print(json.dumps([ao2viz.__file__, ao2viz.__version__, list_files(r.saved_schemas()), "
-        "list_files(r.static())]))"
+        "list_files(r.static()), r.learner_curves().read_text('utf-8')]))"
     )
-    where, version, agents, static = json.loads(
+    where, version, agents, static, curves = json.loads(
         run(installed / "python", "-c", program, cwd=tmp_path)
     )
     assert Path(where).is_relative_to(installed.parent)
     assert version == tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]["version"]
     assert shipped("saved_schemas") <= set(agents)
     assert shipped("static") <= set(static)
+    assert curves == (ROOT / "docs" / "paper" / "curves.json").read_text("utf-8")
 
 
 def test_installed_elsewhere_the_command_lists_the_bundled_agents(

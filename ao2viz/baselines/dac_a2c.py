@@ -9,16 +9,14 @@ from torch import Tensor
 from ao2viz.baselines.batch import Batch
 from ao2viz.baselines.dac_ppo import high_critic_loss
 from ao2viz.baselines.network import OptionNetwork, entropy, log_of
-from ao2viz.baselines.ppo import descend
+from ao2viz.baselines.ppo import descend, low_critic_loss
 from ao2viz.baselines.settings import Settings
 
 
 def a2c_loss(network: OptionNetwork, batch: Batch, settings: Settings) -> Tensor:
     """−log π_o(a|s)·A_low + ½ (R_low − q)², and −log π̂·A_high + ½ (R_high − v)² − c·H(π̂)."""
     log_probs = network.action_log_prob(batch.observations, batch.options, batch.actions)
-    values = network.values(batch.observations).gather(1, batch.options[:, None]).squeeze(1)
-    critic = 0.5 * (batch.low_returns - values).square().mean()
-    loss = -(log_probs * batch.low_advantages).mean() + critic
+    loss = -(log_probs * batch.low_advantages).mean() + low_critic_loss(network, batch)
     if network.options == 1:
         return loss
     over_options = network.over_options(batch.observations, batch.befores)

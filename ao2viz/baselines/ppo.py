@@ -26,10 +26,14 @@ def clipped(log_probs: Tensor, old: Tensor, advantages: Tensor, clip: float) -> 
 def ppo_loss(network: OptionNetwork, batch: Batch, settings: Settings) -> Tensor:
     """Equation 9 of what each option does: clip(π_o(a|s)) + ½ (R_low − q(s, o))²."""
     log_probs = network.action_log_prob(batch.observations, batch.options, batch.actions)
-    values = network.values(batch.observations).gather(1, batch.options[:, None]).squeeze(1)
-    critic = 0.5 * (batch.low_returns - values).square().mean()
     acting = clipped(log_probs, batch.old_action_log_probs, batch.low_advantages, settings.clip)
-    return acting + critic
+    return acting + low_critic_loss(network, batch)
+
+
+def low_critic_loss(network: OptionNetwork, batch: Batch) -> Tensor:
+    """½ (R_low − q(s, o))², the mean over steps."""
+    values = network.values(batch.observations).gather(1, batch.options[:, None]).squeeze(1)
+    return 0.5 * (batch.low_returns - values).square().mean()
 
 
 def learn_loss(

@@ -3,6 +3,7 @@
 Nothing of them is pickled: networks are kept as plain numbers.
 """
 
+import copy
 import os
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Self
@@ -53,7 +54,7 @@ class Reference:
         self.settings = reference_settings(algorithm, self.spec.env_id)
         self._make = make
         _check_actions(algorithm, self.spec)
-        given = dict(self.settings)
+        given = copy.deepcopy(self.settings)  # The library adds to what it is given.
         n_envs, normalise = given.pop("envs"), given.pop("normalise")
         vectorised = DummyVecEnv([lambda: Monitor(make())] * n_envs)
         self._normaliser = (
@@ -77,7 +78,11 @@ class Reference:
     @property
     def n_parameters(self) -> int:
         """Numbers that are learned, copies that only follow others not counted."""
-        return sum(one.numel() for one in self._model.policy.parameters() if one.requires_grad)
+        return sum(
+            one.numel()
+            for name, one in self._model.policy.named_parameters()
+            if not name.split(".")[0].endswith("_target")
+        )
 
     @property
     def steps_per_update(self) -> int:

@@ -4,6 +4,7 @@ Less what changes over a run, the learning rate and clipping on CartPole: how lo
 not known here.
 """
 
+import copy
 from collections.abc import Mapping
 from typing import Any
 
@@ -20,6 +21,7 @@ _CARTPOLE_QRDQN = {
     "learning_rate": 2.3e-3, "batch_size": 64, "buffer_size": 100_000, "learning_starts": 1000,
     "target_update_interval": 10, "train_freq": 256, "gradient_steps": 128,
     "exploration_fraction": 0.16, "exploration_final_eps": 0.04,
+    "policy_kwargs": {"net_arch": [256, 256], "n_quantiles": 10},
 }  # fmt: skip
 _PROVEN: Mapping[tuple[Algorithm, str], Mapping[str, Any]] = {
     (Algorithm.SB3_PPO, "CartPole-v0"): _CARTPOLE_PPO,
@@ -38,7 +40,8 @@ _PROVEN: Mapping[tuple[Algorithm, str], Mapping[str, Any]] = {
     (Algorithm.SB3_QRDQN, "Acrobot-v1"): {
         "learning_rate": 6.3e-4, "batch_size": 128, "buffer_size": 50_000, "learning_starts": 0,
         "target_update_interval": 250, "train_freq": 4, "gradient_steps": 4,
-        "exploration_fraction": 0.12,
+        "exploration_fraction": 0.12, "exploration_final_eps": 0.1,
+        "policy_kwargs": {"net_arch": [256, 256], "n_quantiles": 25},
     },
 }  # fmt: skip
 # Steps between updates where the settings do not say; the libraries' own.
@@ -47,7 +50,7 @@ _STEPS = {Algorithm.SB3_PPO: 2048, Algorithm.SB3_SAC: 1, Algorithm.SB3_QRDQN: 4}
 
 def reference_settings(algorithm: Algorithm, env_id: str) -> dict[str, Any]:
     """What a reference is made with: `envs` and `normalise`, and what its class takes."""
-    return {**_BESIDE, **_PROVEN.get((algorithm, env_id), {})}
+    return copy.deepcopy({**_BESIDE, **_PROVEN.get((algorithm, env_id), {})})
 
 
 def steps_per_update(algorithm: Algorithm, env_id: str) -> int:

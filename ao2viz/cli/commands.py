@@ -66,31 +66,57 @@ def open_app(
         int | None, typer.Option(min=0, help="The recorded episode to open, counted from 0.")
     ] = None,
     step: StepOf = None,
+    curves: Annotated[
+        Path | None,
+        typer.Option(
+            help="curves.json of ao2viz paper to lay behind runs; the one that ships with ao2viz."
+        ),
+    ] = None,
 ) -> None:
     """Open the dashboard in the browser. Ctrl-C stops it."""
     from ao2viz.cli.dashboard import run  # noqa: PLC0415 -- heavy.
 
     moment = (episode, step)
-    run(file, moment, host=host, port=port, open_browser=not no_browser, folders=folder or ())
+    run(
+        file,
+        moment,
+        host=host,
+        port=port,
+        open_browser=not no_browser,
+        folders=folder or (),
+        curves=curves,
+    )
 
 
 @app.command()
 def train(
     env: Annotated[
-        str, typer.Argument(metavar="ENV", help="A Gymnasium environment, such as CartPole-v1.")
+        str,
+        typer.Argument(
+            metavar="ENV",
+            help="A Gymnasium environment, such as CartPole-v1, or an .ao2 file to go on with.",
+        ),
     ],
     steps: Annotated[int, typer.Option(min=1, help="Steps of the environment to learn from.")] = (
         20_000
     ),
     preset: Annotated[
-        Preset, typer.Option(help="The agent: ours, or the closest reading of the paper.")
-    ] = Preset.ANTICIPATING,
+        Preset | None,
+        typer.Option(
+            help="The agent: ours, or the closest reading of the paper; otherwise anticipating."
+        ),
+    ] = None,
     seed: Annotated[
-        int, typer.Option(min=0, help="Fixes everything random: the same seed, the same forest.")
-    ] = 0,
+        int | None,
+        typer.Option(
+            min=0, help="Fixes everything random: the same seed, the same forest; otherwise 0."
+        ),
+    ] = None,
     out: Annotated[
         Path | None,
-        typer.Option(help="File to save to; otherwise runs/ENV-PRESET-seedSEED.ao2."),
+        typer.Option(
+            help="File to save to; otherwise runs/ENV-PRESET-seedSEED.ao2, or the file itself."
+        ),
     ] = None,
     settings: Annotated[
         list[str] | None,
@@ -103,6 +129,7 @@ def train(
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace the file if there is one already.")
     ] = False,
+    env_id: Env = None,
     as_json: Json = False,
 ) -> int:
     """Train an agent and save it. Ctrl-C saves what was learned so far and says where."""
@@ -116,6 +143,7 @@ def train(
         out=out,
         settings=settings or [],
         overwrite=overwrite,
+        env_id=env_id,
         as_json=as_json,
     )
 
@@ -215,6 +243,9 @@ def export(
     step: Annotated[
         int | None, typer.Option(min=0, help="The step, in formats that show one decision.")
     ] = None,
+    option: Annotated[
+        int | None, typer.Option(min=0, help="The option, in formats that show one.")
+    ] = None,
     overwrite: Annotated[
         bool, typer.Option("--overwrite", help="Replace the file if there is one already.")
     ] = False,
@@ -230,6 +261,7 @@ def export(
         out=out,
         episode=episode,
         step=step,
+        option=option,
         overwrite=overwrite,
         env=env,
         as_json=as_json,

@@ -30,7 +30,12 @@ def main(
     elif isinstance(runnable, TyperGroup):
         runnable = runnable.commands[command]
     try:
-        code = runnable.main(given, prog_name=program, standalone_mode=False)
+        try:
+            # Not by typer's own `main`, which ends an interrupted command without a word.
+            with runnable.make_context(program, given) as context:
+                code = runnable.invoke(context)
+        except typer.Exit as ended:
+            code = ended.exit_code
         sys.stdout.flush()
     except typer.TyperException as error:
         # What typer's own checks call a value error is, for people, just an invalid value.

@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from ao2viz.cli.options import Json
+from ao2viz.cli.options import Json, Workers
 from ao2viz.core.config import Preset
 from ao2viz.experiments.clusters import Cluster
 from ao2viz.extras import need
@@ -42,10 +42,7 @@ def sweep(
     out: Annotated[
         Path, typer.Option(help="The table; runs that are in it already are not done again.")
     ] = Path("runs/results.parquet"),
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, help="Runs at a time; otherwise one for each processor."),
-    ] = None,
+    workers: Workers = None,
     cluster: Annotated[
         Cluster, typer.Option(help="Who does the work: this machine's processes, Dask or Ray.")
     ] = Cluster.LOCAL,
@@ -119,10 +116,7 @@ def paper(
     out: Annotated[
         Path, typer.Option(help="Folder of the table and the report; runs in it are not repeated.")
     ] = Path("runs/paper"),
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, help="Runs at a time; otherwise one for each processor."),
-    ] = None,
+    workers: Workers = None,
     as_json: Json = False,
 ) -> int:
     """Run the paper's experiments, AO2 beside PPO, PPOC and DAC, and write the report."""

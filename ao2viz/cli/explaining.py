@@ -9,10 +9,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+import typer
 from rich.progress import Progress, SpinnerColumn, TextColumn
 
 from ao2viz.agent import AO2
-from ao2viz.cli.console import say, show_json, stderr
+from ao2viz.cli.console import say, say_aside, show_json, stderr
+from ao2viz.cli.exit_codes import EXIT_INTERRUPTED
 from ao2viz.cli.explanation_tables import show_tables
 from ao2viz.core.config import PaperConfig
 from ao2viz.core.decision import Decision
@@ -54,7 +56,7 @@ def run(file: Path, question: Question, asked: Asked, *, env: str | None, as_jso
     explain = agent.explain
     situation = None
     if question not in _NOT_OF_A_DECISION and not (
-        question is Question.WEIGHT and asked.option is not None
+        question in (Question.WEIGHT, Question.OPTION) and asked.option is not None
     ):
         situation = find_situation(agent, explain, asked)
     answer = _answer(explain, question, asked, situation, env)
@@ -134,6 +136,8 @@ def _answer(
                 with _learning() as on_progress:
                     return explain.ledger(option, index, on_progress)
             return explain.weight(option, index)
+        case Question.OPTION:
+            return explain.option(_option_asked(asked, situation))
         case Question.FORGET:
             if asked.forget is None:
                 raise ValueError("Forget which training episode? Name it with --forget.")
@@ -184,17 +188,22 @@ def to_action(explain: Explainer, text: str) -> int:
 
 def _weight_asked(view: ForestView, asked: Asked, situation: Decision | None) -> tuple[int, str]:
     """Which weight is meant: that of the option and action named, else of who decided."""
-    option, action = asked.option, asked.action
-    if option is None:
-        assert situation is not None
-        if len(situation.voters) == 0:
-            raise ValueError("No option decided there; name one with --option.")
-        option = int(situation.voters[0])
+    option, action = _option_asked(asked, situation), asked.action
     if action is None:
         known = 0 <= option < len(view.weights)
         best = int(np.argmax(view.weights[option])) if known else 0
         action = str(best if situation is None else situation.action)
     return option, action
+
+
+def _option_asked(asked: Asked, situation: Decision | None) -> int:
+    """Which option is meant: the one that was named, else who decided."""
+    if asked.option is not None:
+        return asked.option
+    assert situation is not None
+    if len(situation.voters) == 0:
+        raise ValueError("No option decided there; name one with --option.")
+    return int(situation.voters[0])
 
 
 @contextlib.contextmanager
@@ -222,11 +231,16 @@ def _only_python_prints() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _learning() -> Iterator[Callable[[float], None]]:
-    """A bar that shows how much has been learned again."""
+    """A bar that shows how much has been learned again; Ctrl-C ends it, and nothing is left."""
     console = stderr()
     with Progress(console=console, disable=not console.is_terminal, transient=True) as progress:
         task = progress.add_task("Learning again", total=1.0)
-        yield lambda share: progress.update(task, completed=share)
+        try:
+            yield lambda share: progress.update(task, completed=share)
+        except KeyboardInterrupt:
+            progress.stop()
+            say_aside("Called off in the middle of learning again: there is no answer.")
+            raise typer.Exit(EXIT_INTERRUPTED) from None
 
 
 def _search(explain: Explainer, situation: Decision, time_limit_s: float) -> NearestFlip:

@@ -18,3 +18,6 @@ Json = Annotated[bool, typer.Option("--json", help="Print one JSON value instead
 StepOf = Annotated[
     int | None, typer.Option(min=0, help="Its step, counted from 0; otherwise the first.")
 ]
+Workers = Annotated[
+    int | None, typer.Option(min=1, help="Runs at a time; otherwise one for each processor.")
+]

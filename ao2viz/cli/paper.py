@@ -1,23 +1,23 @@
 """`ao2viz paper`: the paper's experiments beside its rivals, and the report of what came out."""
 
-import time
 from collections.abc import Sequence
 from pathlib import Path
 
 from ao2viz.baselines.algorithm import Algorithm
-from ao2viz.cli.console import say, say_aside, show_json
+from ao2viz.cli.console import say, show_json
 from ao2viz.cli.files import check_folder, write_text
 from ao2viz.cli.running import Sweep
 from ao2viz.experiments.clusters import Cluster
-from ao2viz.experiments.provenance import provenance
-from ao2viz.experiments.sweep import missing
 from ao2viz.experiments.table import opened
+from ao2viz.exports.learner_curves import to_json
 from ao2viz.extras import need
 from ao2viz.paper.document import pictures_of, to_markdown, to_page
 from ao2viz.paper.findings import TITLE, report
+from ao2viz.paper.learners import learner_curves
 from ao2viz.paper.plan import FULL, QUICK, make_tasks, only, seconds
 
 TABLE = "results.parquet"
+CURVES = "curves.json"
 
 
 def run(
@@ -44,23 +44,18 @@ def run(
     chosen = only(tasks, names)
     check_folder(out / TABLE)
     with opened(out / TABLE) as table:
-        wanted = [] if report_only else chosen
-        left = [task for task in wanted if missing(table, [task.run], task.schedule)]
-        if any(isinstance(task.run.preset, Algorithm) for task in left):
+        progress = Sweep(table, [] if report_only else chosen, seconds)
+        if any(isinstance(task.run.preset, Algorithm) for task in progress.left):
             need("baselines")  # Now, and not after hours with AO2.
-        others = sorted({str(other) for other in table.made_by} - {str(provenance())})
-        if left and others:
-            say_aside(f"{table.path} also holds runs of {', '.join(others)}.")
-        progress = Sweep(table, len(wanted), left, seconds)
-        started = time.perf_counter()
-        code = progress.run(Cluster.LOCAL, workers, None) if left else 0
-        summary = progress.summarise(time.perf_counter() - started)
+        code = progress.run(Cluster.LOCAL, workers, None)
+        summary = progress.summarise()
         evaluations = table.evaluations()
     command = "ao2viz paper" + (" --quick" if quick else "")
     command += f" --seeds {n_seeds} --rival-seeds {n_rivals} --out {out.as_posix()}"
     sections = report(evaluations, tasks, command)
     write_text(out / "report.md", to_markdown(TITLE, sections))
     write_text(out / "report.html", to_page(TITLE, sections))
+    write_text(out / CURVES, to_json(learner_curves(evaluations, tasks)))
     for name, svg in pictures_of(sections).items():
         write_text(out / name, svg)
     if as_json:

@@ -107,7 +107,7 @@ def _cells(one: Summary) -> list[str]:
         *(number(value) for value in (means.mean(), means.min(), means.max(), one.iqm)),
         interval,
         f"{one.options:,.0f}",
-        f"{one.stack_mean:.1f}",
+        f"{one.stack_mean:.1f}" if one.stack_most else "",  # A network has none.
         f"{one.cpu_s:,.1f}",
     ]
 

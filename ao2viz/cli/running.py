@@ -15,7 +15,8 @@ from ao2viz.core.config import Preset
 from ao2viz.experiments.clusters import Cluster, Workers, WorkersLostError, gather
 from ao2viz.experiments.measure import Outcome
 from ao2viz.experiments.plan import Run, Task
-from ao2viz.experiments.sweep import sweep
+from ao2viz.experiments.provenance import provenance
+from ao2viz.experiments.sweep import missing, sweep
 from ao2viz.experiments.table import Table
 from ao2viz.figures.learning_curves import say_way
 
@@ -29,23 +30,26 @@ class Sweep:
     def __init__(
         self,
         table: Table,
-        total: int,
-        left: Sequence[Task],
+        tasks: Sequence[Task],
         seconds: Callable[[Task], float] = lambda task: 1.0,
     ) -> None:
-        """Nothing is done yet.
+        """Looks for what the table lacks; nothing is run yet.
 
         Args:
             table: Gets what is measured.
-            total: Runs, those that are in the table already included.
-            left: What the table lacks.
+            tasks: What is to be in it.
             seconds: What a run takes, beside others; only to say how long it all will.
+
+        Raises:
+            TableError: If the table was made in another way; see `missing`.
         """
+        self.left = missing(table, tasks)
+        """What the table lacked."""
         self._table = table
-        self._total = total
-        self._left = left
+        self._total = len(tasks)
         self._seconds = seconds
         self._failed: list[Outcome] = []
+        self._started = time.perf_counter()
 
     def run(self, cluster: Cluster, workers: int | None, address: str | None) -> int:
         """Does what is left, and says how it went; returns the exit code.
@@ -54,15 +58,23 @@ class Sweep:
             ValueError: If there is no such cluster, or it has another version of ao2viz.
             OSError: If there is no cluster at the address.
         """
+        if not self.left:
+            return 0
+        others = sorted({str(other) for other in self._table.made_by} - {str(provenance())})
+        if others:
+            say_aside(
+                f"{self._table.path} also holds runs of {', '.join(others)}; this is "
+                f"{provenance()}."
+            )
         total = self._total
-        before = total - len(self._left)
+        before = total - len(self.left)
         if before:
             say_aside(f"{before:,} of {total:,} runs are in {self._table.path} already.")
         trouble = ""
         # Whoever asks to stop need not wait for a run: those under way are lost, no others.
         with DeferredInterrupts(_stop) as interrupts:
             try:
-                costs = {task.run: self._seconds(task) for task in self._left}
+                costs = {task.run: self._seconds(task) for task in self.left}
                 with gather(cluster, workers, address) as hands, _Display(before, costs) as display:
                     trouble = self._work(hands, display)
             except KeyboardInterrupt:
@@ -78,11 +90,11 @@ class Sweep:
     @property
     def _done(self) -> int:
         """How many are in the table by now: an interrupt may come between that and being told."""
-        return sum(self._table.holds(task.run, task.schedule) for task in self._left)
+        return sum(self._table.holds(task.run, task.schedule) for task in self.left)
 
-    def summarise(self, seconds: float) -> dict[str, Any]:
+    def summarise(self) -> dict[str, Any]:
         """What came of it, in JSON values."""
-        before = self._total - len(self._left)
+        before = self._total - len(self.left)
         return {
             "file": str(self._table.path),
             "runs": self._total,
@@ -91,12 +103,12 @@ class Sweep:
             "failed": [
                 {"run": str(outcome.run), "error": outcome.error} for outcome in self._failed
             ],
-            "seconds": round(seconds, 3),
+            "seconds": round(time.perf_counter() - self._started, 3),
         }
 
     def _work(self, hands: Workers, display: "_Display") -> str:
         """What kept it from doing everything; empty if nothing did."""
-        outcomes = sweep(self._table, self._left, hands, display.show_start)
+        outcomes = sweep(self._table, self.left, hands, display.show_start)
         try:
             with contextlib.closing(outcomes):
                 for outcome in outcomes:
@@ -110,7 +122,7 @@ class Sweep:
         return ""
 
     def _say_left(self, why: str) -> None:
-        left = len(self._left) - self._done
+        left = len(self.left) - self._done
         say_aside(f"{why} {_count(left)} left to do; the same command goes on with them.")
 
 

@@ -2,19 +2,16 @@
 
 import json
 import re
-import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from ao2viz.cli.console import say, say_aside, show_json
+from ao2viz.cli.console import say, show_json
 from ao2viz.cli.files import check_folder, check_name
 from ao2viz.cli.running import Sweep
 from ao2viz.core.config import Preset
 from ao2viz.experiments.clusters import Cluster
 from ao2viz.experiments.plan import MAX_RUNS, Task, make_runs, make_schedule
-from ao2viz.experiments.provenance import provenance
-from ao2viz.experiments.sweep import missing
 from ao2viz.experiments.table import SUFFIX, opened
 
 
@@ -45,15 +42,9 @@ def run(
     runs = make_runs(envs, preset, parse_grid(settings), numbers)
     check_folder(out)
     with opened(out) as table:
-        left = missing(table, runs, schedule)
-        others = sorted({str(other) for other in table.made_by} - {str(provenance())})
-        if left and others:
-            say_aside(f"{out} also holds runs of {', '.join(others)}; this is {provenance()}.")
-        tasks = [Task(one, schedule) for one in left]
-        progress = Sweep(table, len(runs), tasks)
-        started = time.perf_counter()
-        code = progress.run(cluster, workers, address) if left else 0
-        summary = progress.summarise(time.perf_counter() - started)
+        progress = Sweep(table, [Task(one, schedule) for one in runs])
+        code = progress.run(cluster, workers, address)
+        summary = progress.summarise()
     if as_json:
         show_json(summary)
     else:

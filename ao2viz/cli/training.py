@@ -16,6 +16,7 @@ from ao2viz.cli.exit_codes import EXIT_FAILED
 from ao2viz.cli.files import RUNS_FOLDER, check_output
 from ao2viz.cli.interrupts import DeferredInterrupts
 from ao2viz.core.config import Preset
+from ao2viz.store.files import SUFFIX
 from ao2viz.training.loop import StepResult
 
 _RECENT = 20
@@ -27,22 +28,33 @@ def run(
     env: str,
     *,
     steps: int,
-    preset: Preset,
-    seed: int,
+    preset: Preset | None,
+    seed: int | None,
     out: Path | None,
     settings: Sequence[str],
     overwrite: bool,
+    env_id: str | None,
     as_json: bool,
 ) -> int:
     """Trains, saves, and sums up; returns the exit code.
 
     Raises:
-        ValueError: If environment or settings do not fit, or the file is there already.
+        ValueError: If environment, file or settings do not fit, or the file to save to is there
+            already.
     """
     overrides = parse_settings(settings)
-    path = default_path(env, preset, seed) if out is None else out
-    check_output(path, overwrite=overwrite)
-    agent = AO2(env, preset=preset, seed=seed, **overrides)
+    if env.endswith(SUFFIX):
+        path = Path(env) if out is None else out
+        check_output(path, overwrite=overwrite)
+        agent = _go_on_with(Path(env), env_id, preset, seed, overrides)
+    elif env_id is not None:
+        raise ValueError("--env is for files to go on with; a new agent gets it as ENV.")
+    else:
+        preset, seed = preset or Preset.ANTICIPATING, seed or 0
+        path = default_path(env, preset, seed) if out is None else out
+        check_output(path, overwrite=overwrite)
+        agent = AO2(env, preset=preset, seed=seed, **overrides)
+    steps_before = agent.num_timesteps
     started = time.perf_counter()
     failure: Exception | None = None
     with DeferredInterrupts(
@@ -69,13 +81,30 @@ def run(
             f"{failure} What was learned until then is in {path}."
         )
     elif exit_code:
-        say_aside(f"Stopped after {agent.num_timesteps:,} of {steps:,} steps; saved to {path}.")
-    summary = _summarise(agent, path, steps, seconds)
+        taken = agent.num_timesteps - steps_before
+        say_aside(f"Stopped after {taken:,} of {steps:,} steps; saved to {path}.")
+    summary = _summarise(agent, path, steps, steps_before, seconds)
     if as_json:
         show_json(summary)
     else:
         _say_summary(summary)
     return exit_code
+
+
+def _go_on_with(
+    path: Path,
+    env_id: str | None,
+    preset: Preset | None,
+    seed: int | None,
+    overrides: dict[str, Any],
+) -> AO2:
+    if preset is not None or seed is not None:
+        raise ValueError(
+            f"{path} has its own preset and seed; leave out --preset and --seed to go on with it."
+        )
+    agent = AO2.load(path, env_id)
+    agent.change_settings(**overrides)
+    return agent
 
 
 def parse_settings(settings: Sequence[str]) -> dict[str, Any]:
@@ -171,7 +200,9 @@ class _Display:
         )
 
 
-def _summarise(agent: AO2, path: Path, steps: int, seconds: float) -> dict[str, Any]:
+def _summarise(
+    agent: AO2, path: Path, steps: int, steps_before: int, seconds: float
+) -> dict[str, Any]:
     recent = [episode.total_reward for episode in agent.history.summaries[-_RECENT:]]
     return {
         "file": str(path),
@@ -179,9 +210,10 @@ def _summarise(agent: AO2, path: Path, steps: int, seconds: float) -> dict[str, 
         "preset": agent.preset.value,
         "seed": agent.seed,
         "steps": agent.num_timesteps,
+        "steps_before": steps_before,
         "steps_asked": steps,
         "seconds": round(seconds, 3),
-        "steps_per_s": round(agent.num_timesteps / seconds, 1),
+        "steps_per_s": round((agent.num_timesteps - steps_before) / seconds, 1),
         "episodes": len(agent.history),
         "options": len(agent.forest),
         "recent_mean_return": sum(recent) / len(recent) if recent else None,
@@ -189,9 +221,11 @@ def _summarise(agent: AO2, path: Path, steps: int, seconds: float) -> dict[str, 
 
 
 def _say_summary(summary: dict[str, Any]) -> None:
+    before = f" after {summary['steps_before']:,} earlier ones" if summary["steps_before"] else ""
     say(
         f"{summary['environment']}, {summary['preset']}, seed {summary['seed']}: "
-        f"{summary['steps']:,} steps in {summary['seconds']:,.1f} s "
+        f"{summary['steps'] - summary['steps_before']:,} steps{before} in "
+        f"{summary['seconds']:,.1f} s "
         f"({summary['steps_per_s']:,.0f} a second), {summary['episodes']:,} episodes, "
         f"{summary['options']:,} options."
     )

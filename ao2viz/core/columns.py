@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.compiled import compiled
+from ao2viz.core.compiled import compiled, compiled_long
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.index import Index, index_option, make_index
 
@@ -72,7 +72,7 @@ def insert(columns: Columns, heads: NDArray[np.int64], row: int, parent: int) ->
     columns.first_child[parent] = row
 
 
-@compiled
+@compiled_long
 def insert_all(
     columns: Columns,
     heads: NDArray[np.int64],

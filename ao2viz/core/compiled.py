@@ -37,13 +37,24 @@ def compiled_apart(function: FunctionT) -> FunctionT:
     return _compile(function, is_part=False)
 
 
-def _compile(function: FunctionT, is_part: bool) -> FunctionT:
+def compiled_long(function: FunctionT) -> FunctionT:
+    """As `compiled_apart`, and called from Python it lets other threads run meanwhile.
+
+    For what takes seconds with a big forest, in which a page would stand still. What is called
+    often is better off without: it would have to wait for its turn after every call.
+    """
+    return _compile(function, is_part=False, lets_others_run=True)
+
+
+def _compile(function: FunctionT, is_part: bool, lets_others_run: bool = False) -> FunctionT:
     before = _config.CACHE_DIR
     _config.CACHE_DIR = str(_FOLDER)
     try:
         # A division by zero gives infinity: a loop that might raise an error instead cannot be
         # taken several steps at a time. Neither option changes a bit of what is computed.
-        made = numba.njit(cache=True, error_model="numpy", forceinline=is_part)(function)
+        made = numba.njit(
+            cache=True, error_model="numpy", forceinline=is_part, nogil=lets_others_run
+        )(function)
         return cast(FunctionT, made)
     finally:
         _config.CACHE_DIR = before

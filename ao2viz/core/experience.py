@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns
-from ao2viz.core.compiled import compiled
+from ao2viz.core.compiled import compiled, compiled_long
 from ao2viz.core.law import Law, add_displacement, allocate_law, choose_terms, fit_law
 from ao2viz.core.local_linear import Workspace, sharp_closeness, solve_local_linear
 from ao2viz.core.search import find_nearest, kernel_width
@@ -115,7 +115,7 @@ def learn_law(columns: Columns, experience: Experience, n_rows: int, cap: int) -
     expect_all(experience, n_rows)
 
 
-@compiled
+@compiled_long
 def expect_all(experience: Experience, n_rows: int) -> None:
     """Renews what the laws expect, for every option and action."""
     for option in range(n_rows):

@@ -298,9 +298,12 @@ class Forest:
         fresh.heads[1] = n
         insert_all(columns, fresh.heads, order, parents)
         fresh._index(np.flatnonzero(is_alive))
-        for parent, child in links.tolist():
-            if not (is_alive[parent] and is_alive[child]) or parents[child] == parent:
-                raise ValueError(f"Expected extra links between living options, not {parent}.")
+        above, below = links[:, 0], links[:, 1]
+        is_wrong = ~(is_alive[above] & is_alive[below]) | (parents[below] == above)
+        if is_wrong.any():
+            raise ValueError(
+                f"Expected extra links between living options, not {above[is_wrong][0]}."
+            )
         fresh.reserve_links(len(links))
         fresh.link_rows[: len(links)] = links
         fresh.n_links = len(links)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.columns import Columns, distance
-from ao2viz.core.compiled import compiled, compiled_apart
+from ao2viz.core.compiled import compiled, compiled_apart, compiled_long
 from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience, count_visits, predict
@@ -216,6 +216,13 @@ def worth_of(weights: NDArray[np.float64], slip: float) -> float:
         total += weights[a]
         best = max(best, weights[a])
     return (1.0 - slip) * best + slip * total / weights.shape[0]
+
+
+@compiled_long
+def value_all(value: NDArray[np.float64], weights: NDArray[np.float64], slip: float) -> None:
+    """Sets the value of being at each option [N], of these weights [N, A]."""
+    for option in range(weights.shape[0]):
+        value[option] = worth_of(weights[option], slip)
 
 
 @compiled

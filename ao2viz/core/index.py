@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.compiled import compiled, compiled_apart
+from ao2viz.core.compiled import compiled, compiled_apart, compiled_long
 
 BUCKET = 32
 """Options a bucket holds."""
@@ -210,7 +210,7 @@ def _release(index: Index, top: int, options: NDArray[np.int64]) -> int:
     return found
 
 
-@compiled_apart
+@compiled_long
 def _build(index: Index, scaled: NDArray[np.float64], top: int, options: NDArray[np.int64]) -> None:
     """Builds the tree of these options, which it sorts, below a node that has nothing below."""
     spare = index.heads[_ROOM] - _buckets_for(options.shape[0])

@@ -12,7 +12,7 @@ from ao2viz.core.config import MAX_VOTERS, AnticipatingConfig
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.experience import Experience, allocate_experience, expect_all
 from ao2viz.core.forest import Forest
-from ao2viz.core.imagination import Imagination, allocate_imagination, worth_of
+from ao2viz.core.imagination import Imagination, allocate_imagination, value_all
 from ao2viz.core.law import MAX_DEGREE, Law, count_terms
 
 
@@ -106,8 +106,7 @@ def memory_from_arrays(
     if any(terms != 0 and (terms not in known or terms > room) for terms in law.n_terms.tolist()):
         raise ValueError(f"Expected laws of 0 or up to {room} terms, but got {law.n_terms}.")
     expect_all(memory.experience, n)
-    for option in range(n):
-        memory.imagination.value[option] = worth_of(forest.columns.weights[option], config.slip)
+    value_all(memory.imagination.value, forest.columns.weights[:n], config.slip)
     return memory
 
 

@@ -181,6 +181,7 @@ class PaperLearner:
             after = float(self._forest.columns.weights[nearest[0]].max())
         if len(trace) == config.trace_length:
             self._move_weight(after)
+            trace.popleft()  # Each step's action is moved once, also by the step that ends it all.
         if terminated or (ended and config.credit is Credit.BOOTSTRAP):
             # The last actions get what there was to earn. A time limit only hides the rest of a
             # return, which would look better than it is.

@@ -14,7 +14,7 @@ from ao2viz import baselines
 from ao2viz.agent import AO2
 from ao2viz.baselines.algorithm import Acting, Algorithm
 from ao2viz.core.decision import DecideBy
-from ao2viz.experiments.plan import Run, Schedule
+from ao2viz.experiments.plan import Run, Schedule, Way
 from ao2viz.experiments.provenance import Provenance, provenance
 from ao2viz.recording.history import History
 from ao2viz.training.loop import evaluation_seed, play
@@ -33,7 +33,7 @@ class Evaluation:
 
     run: Run
     steps: int  # Learned from until then.
-    decide_by: DecideBy | Acting  # In these episodes; while learning, the run's settings say it.
+    decide_by: Way  # In these episodes; while learning, the run's settings say it.
     returns: tuple[float, ...]  # Undiscounted sum of rewards of each greedy episode.
     options: int  # Living ones in the forest; of a network, its parameters.
     stack_mean: float  # Options from the root to the most similar one (a network: 0), over all …

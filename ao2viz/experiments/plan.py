@@ -11,6 +11,12 @@ from ao2viz.baselines.algorithm import Acting, Algorithm
 from ao2viz.core.config import Preset, config_to_dict
 from ao2viz.core.decision import DecideBy
 
+Learner = Preset | Algorithm
+"""AO2 with one of its presets, or what it is compared with."""
+
+Way = DecideBy | Acting
+"""How an agent is asked: AO2 in the one, a network in the other."""
+
 MAX_RUNS = 100_000
 """More are a slip of the keyboard."""
 
@@ -20,7 +26,7 @@ class Run:
     """One agent to train; equal runs give equal agents."""
 
     env: str  # What `gymnasium.make` takes.
-    preset: Preset | Algorithm  # Of AO2, or what AO2 is compared with.
+    preset: Learner
     settings: str  # JSON object of what differs from the proven settings, by name.
     seed: int
 
@@ -30,7 +36,7 @@ class Run:
         return json.loads(self.settings)
 
     @property
-    def ways(self) -> tuple[DecideBy | Acting, ...]:
+    def ways(self) -> tuple[Way, ...]:
         """In which it is evaluated."""
         return tuple(DecideBy if isinstance(self.preset, Preset) else Acting)
 

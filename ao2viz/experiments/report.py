@@ -9,11 +9,16 @@ from enum import Enum
 from ao2viz.baselines.algorithm import Acting
 from ao2viz.core.decision import DecideBy
 from ao2viz.experiments.measure import Evaluation
-from ao2viz.experiments.plan import say_settings
+from ao2viz.experiments.plan import Way, say_settings
 from ao2viz.experiments.statistics import Summary
 
 _MISSING = "–"
-_WAYS = (DecideBy.VOTE, DecideBy.PATH)
+_COLUMNS: Sequence[Mapping[Way, str]] = (
+    {DecideBy.VOTE: "by vote", Acting.SAMPLED: "drawn"},
+    {DecideBy.PATH: "by one path", Acting.GREEDY: "greedy"},
+)
+"""Ways of AO2 and of a network that share a column, and how it is headed."""
+_SIZES = {DecideBy: "options", Acting: "parameters"}
 
 
 class Block(Enum):
@@ -38,7 +43,14 @@ class _Pair:
     """The same agents at the same checkpoint, deciding in both ways."""
 
     any: Summary
-    by: Mapping[DecideBy | Acting, Summary]
+    by: Mapping[Way, Summary]
+
+    @property
+    def columns(self) -> list[Summary | None]:
+        """What stands in each of `_COLUMNS`."""
+        return [
+            next((self.by[way] for way in column if way in self.by), None) for column in _COLUMNS
+        ]
 
     @property
     def title(self) -> str:
@@ -96,7 +108,7 @@ def _make_blocks(summaries: Sequence[Summary], source: str) -> dict[Block, str]:
 
 
 def _pair(summaries: Sequence[Summary]) -> list[_Pair]:
-    grouped: dict[tuple[str, str, str, int], dict[DecideBy | Acting, Summary]] = defaultdict(dict)
+    grouped: dict[tuple[str, str, str, int], dict[Way, Summary]] = defaultdict(dict)
     for one in summaries:
         grouped[one.env, one.preset.value, one.settings, one.steps][one.decide_by] = one
     return [_Pair(next(iter(by.values())), by) for by in grouped.values()]
@@ -107,9 +119,11 @@ def _describe(summaries: Sequence[Summary], source: str) -> str:
     evaluations = [evaluation for one in summaries for evaluation in one.evaluations]
     episodes = sorted({len(evaluation.returns) for evaluation in evaluations})
     made_by = sorted({str(evaluation.made_by) for evaluation in evaluations})
+    is_drawn = any(one.decide_by is Acting.SAMPLED for one in summaries)
+    played = "episodes" if is_drawn else "greedy episodes"
     return (
         f"Made by `ao2viz results {source} --markdown`, from runs of {' and '.join(made_by)}; "
-        f"{' or '.join(f'{n:,}' for n in episodes)} greedy episodes each. Mean over seeds (least … "
+        f"{' or '.join(f'{n:,}' for n in episodes)} {played} each. Mean over seeds (least … "
         f"greatest); IQM: interquartile mean over seeds with its 95 % bootstrap interval; stack: "
         f"options from the root to the most similar one, mean by vote, by one path (≤ the most).\n"
     )
@@ -128,16 +142,17 @@ def _in_short(pairs: Sequence[_Pair]) -> str:
                 f"`{settings}`" if settings else "",
                 f"{one.steps:,}",
                 f"{len(one.evaluations)}",
-                *(_say(_range, pair.by.get(way)) for way in _WAYS),
-                *(_say(_iqm, pair.by.get(way)) for way in _WAYS),
+                *(_say(_range, each) for each in pair.columns),
+                *(_say(_iqm, each) for each in pair.columns),
                 f"{one.options:,.0f}",
-                _stack([pair.by[way] for way in _WAYS if way in pair.by]),
+                _stack(pair.columns),
                 f"{one.cpu_s:,.1f}",
             ]
         )
+    *ways, size = _headings(pairs)
     headings = [
-        "task", "preset", "settings", "steps", "seeds", "by vote", "by one path", "IQM by vote",
-        "IQM by one path", "options", "stack", "CPU s",
+        "task", "preset", "settings", "steps", "seeds", *ways, *(f"IQM {way}" for way in ways),
+        size, "stack", "CPU s",
     ]  # fmt: skip
     return to_table(headings, rows)
 
@@ -148,40 +163,50 @@ def _every_seed(pairs: Sequence[_Pair]) -> str:
 
 
 def _seeds(pair: _Pair) -> str:
-    ways = [way for way in _WAYS if way in pair.by]
-    by_seed = {
-        way: {evaluation.run.seed: evaluation for evaluation in pair.by[way].evaluations}
-        for way in ways
-    }
-    rows = [
-        [
-            f"{one.run.seed}",
-            *(_mean(by_seed.get(way, {}).get(one.run.seed)) for way in _WAYS),
-            f"{one.options:,}",
-            _stack([by_seed[way][one.run.seed] for way in ways if one.run.seed in by_seed[way]]),
-            f"{one.cpu_s:,.1f}",
-        ]
-        for one in pair.any.evaluations
-    ]
+    rows = []
+    for one in pair.any.evaluations:
+        found = [_of_seed(each, one.run.seed) for each in pair.columns]
+        rows.append(
+            [
+                f"{one.run.seed}",
+                *map(_mean, found),
+                f"{one.options:,}",
+                _stack(found),
+                f"{one.cpu_s:,.1f}",
+            ]
+        )
     rows.append(
         [
             "mean",
-            *(_say(lambda one: number(one.means.mean()), pair.by.get(way)) for way in _WAYS),
+            *(_say(lambda one: number(one.means.mean()), each) for each in pair.columns),
             f"{pair.any.options:,.0f}",
-            _stack([pair.by[way] for way in ways]),
+            _stack(pair.columns),
             f"{pair.any.cpu_s:,.1f}",
         ]
     )
-    headings = ["seed", "by vote", "by one path", "options", "stack", "CPU s"]
-    return to_table(headings, rows)
+    return to_table(["seed", *_headings([pair]), "stack", "CPU s"], rows)
 
 
-def _stack(ways: Sequence[Evaluation | Summary]) -> str:
+def _headings(pairs: Sequence[_Pair]) -> list[str]:
+    """What the returns in each of `_COLUMNS` are, and what the size counts."""
+    kinds = {type(way) for pair in pairs for way in pair.any.evaluations[0].run.ways}
+    named = [[words for way, words in column.items() if type(way) in kinds] for column in _COLUMNS]
+    named.append([words for kind, words in _SIZES.items() if kind in kinds])
+    return [" or ".join(words) for words in named]
+
+
+def _of_seed(one: Summary | None, seed: int) -> Evaluation | None:
+    found = () if one is None else one.evaluations
+    return next((each for each in found if each.run.seed == seed), None)
+
+
+def _stack(columns: Sequence[Evaluation | Summary | None]) -> str:
     """Mean length of the decision stack in each way of deciding, and the most of any."""
-    if not ways:  # A network has none.
+    found = [one for one in columns if one is not None and one.stack_most]
+    if not found:  # A network has none.
         return _MISSING
-    means = ", ".join(f"{one.stack_mean:.1f}" for one in ways)
-    return f"{means} (≤ {max(one.stack_most for one in ways)})"
+    means = ", ".join(f"{one.stack_mean:.1f}" for one in found)
+    return f"{means} (≤ {max(one.stack_most for one in found)})"
 
 
 def number(value: float) -> str:

@@ -14,10 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
-from ao2viz.baselines.algorithm import Acting, Algorithm
-from ao2viz.core.config import Preset
-from ao2viz.core.decision import DecideBy
 from ao2viz.experiments.measure import Evaluation
+from ao2viz.experiments.plan import Learner, Way
 
 CONFIDENCE = 0.95
 RESAMPLES = 9_999
@@ -29,10 +27,10 @@ class Summary:
     """Every seed of one environment, preset and settings, at one checkpoint, deciding one way."""
 
     env: str
-    preset: Preset | Algorithm
+    preset: Learner
     settings: str  # A JSON object.
     steps: int
-    decide_by: DecideBy | Acting
+    decide_by: Way
     evaluations: tuple[Evaluation, ...]  # One a seed, rising.
     iqm: float  # Of the seeds' mean returns.
     interval: tuple[float, float] | None  # 95 % of the IQM; None for a single seed.

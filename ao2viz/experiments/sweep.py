@@ -5,22 +5,22 @@ from collections.abc import Callable, Generator, Iterator, Sequence
 
 from ao2viz.experiments.clusters import Workers
 from ao2viz.experiments.measure import Outcome, attempt
-from ao2viz.experiments.plan import Run, Schedule, Task
+from ao2viz.experiments.plan import Run, Task
 from ao2viz.experiments.provenance import Provenance, provenance
 from ao2viz.experiments.table import Table, TableError
 
 
-def missing(table: Table, runs: Sequence[Run], schedule: Schedule) -> list[Run]:
-    """The runs that a table lacks, or has not all checkpoints of.
+def missing(table: Table, tasks: Sequence[Task]) -> list[Task]:
+    """The tasks that a table lacks, or has not all checkpoints of.
 
     Raises:
         TableError: If the table was made by another version of ao2viz, or with another number of
             episodes: figures that do not compare belong in tables of their own.
     """
     here = provenance()
-    for there in table.made_by:
+    for there in table.made_by if tasks else ():  # Who adds nothing may read any table.
         _check_version(f"{table.path} was made by", there, here)
-    return [run for run in runs if not table.holds(run, schedule)]
+    return [task for task in tasks if not table.holds(task.run, task.schedule)]
 
 
 def sweep(

@@ -20,7 +20,7 @@ from ao2viz.core.config import Preset
 from ao2viz.core.decision import DecideBy
 from ao2viz.experiments.locks import locked
 from ao2viz.experiments.measure import Evaluation
-from ao2viz.experiments.plan import Run, Schedule
+from ao2viz.experiments.plan import Learner, Run, Schedule, Way
 from ao2viz.experiments.provenance import Provenance
 from ao2viz.store.replacing import replacing
 
@@ -56,7 +56,7 @@ _SINCE_2 = ("episode_ends", "episode_returns")
 # All that names and settings need; what is shown on pages cannot be more than text.
 _PLAIN = re.compile(r'[\w\s{}":,.+/-]*')
 
-_Key = tuple[Run, int, DecideBy | Acting]
+_Key = tuple[Run, int, Way]
 
 
 class TableError(ValueError):
@@ -257,7 +257,7 @@ def _from_row(row: dict[str, Any]) -> Evaluation:
     )
 
 
-def to_learner(name: str) -> Preset | Algorithm:
+def to_learner(name: str) -> Learner:
     """The preset or the algorithm of that name.
 
     Raises:

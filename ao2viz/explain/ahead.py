@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.mind import Mind
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.words import capitalised, count, number, percent
 
 
@@ -49,6 +50,7 @@ class Ahead:
     last: NDArray[np.float64]  # [D] where it ends.
     end: AheadEnd
     reward: float  # Expected on the way: each step's, times the chance that it comes to it.
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
     @property
     def stretches(self) -> tuple[tuple[AheadStep, ...], ...]:

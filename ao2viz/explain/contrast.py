@@ -10,6 +10,7 @@ import numpy as np
 from ao2viz.core.decision import NO_OPTION, DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.why import offset_of
 from ao2viz.explain.words import amount, capitalised, count, number, percent, signed, told_apart
 
@@ -54,6 +55,7 @@ class WhyNot:
     offsets: tuple[float, ...]  # [D] by path: what the offset of each feature adds to it.
     by_thinking: float  # What imagining sequences of actions added; 0 without.
     advocate: Advocate | None  # None: no option prefers the other action.
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
 
 def explain_why_not(decision: Decision, other: int, view: ForestView) -> WhyNot:

@@ -4,6 +4,7 @@ A local, counterfactual explanation: "had the pole leaned 0.4° further left, it
 left". Exact where one option decides by its plane; a vote, or thinking ahead, is bracketed.
 """
 
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
@@ -15,6 +16,7 @@ from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.core.mind import Mind
 from ao2viz.envs.ranges import Ranges
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.line import Piece, scan_line
 from ao2viz.explain.radius import Certificate, certify
 from ao2viz.explain.words import amount, capitalised, number
@@ -64,6 +66,11 @@ class FeatureFlips:
 _FIRST_STEP = 4 * np.finfo(np.float64).eps
 # Where a toss decides, so many places are asked for one where it falls otherwise.
 _TOSSES = 64
+STEPS = 200
+"""Where flips are found by trying: so many steps each way along a feature."""
+
+# What is tried instead where every decision takes long, and how often a step is halved.
+_FEWER_STEPS, _HALVINGS = (100, 50, 20), 20
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,6 +80,8 @@ class Flips:
     decision: Decision
     features: tuple[FeatureFlips, ...]  # [D]
     certificate: Certificate | None  # None: no one option decides, so nothing is certain.
+    steps: int = 0  # Each way along a feature, where flips were found by trying; 0: exact.
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
     @property
     def nearest(self) -> Flip | None:
@@ -81,12 +90,32 @@ class Flips:
         return min(found, key=lambda flip: flip.distance, default=None)
 
 
-def explain_flips(mind: Mind, decision: Decision, ranges: Ranges) -> Flips:
-    """What would flip a decision; exact and certified where one option decides by its plane."""
+def explain_flips(mind: Mind, decision: Decision, ranges: Ranges, steps: int = STEPS) -> Flips:
+    """What would flip a decision; exact and certified where one option decides by its plane.
+
+    Elsewhere so many steps are tried each way along a feature.
+    """
     if mind.is_piecewise_linear:
         certificate = certify(mind, decision.observation)
         return Flips(decision, find_flips(mind, decision, ranges), certificate)
-    return Flips(decision, bracket_flips(mind, decision, ranges), None)
+    return Flips(decision, bracket_flips(mind, decision, ranges, steps), None, steps)
+
+
+def affordable_steps(mind: Mind, observation: NDArray[np.float64], budget_s: float) -> int:
+    """Steps that `explain_flips` can try each way within a time; 0: not even the fewest.
+
+    Only thinking ahead can take long; how long, one decision at the observation [D] tells.
+    """
+    if not mind.thinks_ahead:
+        return STEPS
+    mind.act(observation)  # The first one may have to be compiled.
+    begun = time.perf_counter()
+    mind.act(observation)
+    seconds = time.perf_counter() - begun
+    for steps in (STEPS, *_FEWER_STEPS):
+        if 2 * len(observation) * (steps + _HALVINGS) * seconds <= budget_s:
+            return steps
+    return 0
 
 
 def find_flips(mind: Mind, decision: Decision, ranges: Ranges) -> tuple[FeatureFlips, ...]:
@@ -208,7 +237,7 @@ def _make_flip(
 
 
 def bracket_flips(
-    mind: Mind, decision: Decision, ranges: Ranges, steps: int = 200
+    mind: Mind, decision: Decision, ranges: Ranges, steps: int = STEPS
 ) -> tuple[FeatureFlips, ...]:
     """The nearest flip of each feature that trying finds; for votes and thinking ahead.
 
@@ -275,8 +304,8 @@ def tell_flips(flips: Flips, spec: TaskSpec) -> tuple[str, ...]:
     certificate = flips.certificate
     if certificate is None:
         told.append(
-            "Found by trying, step by step: what changes and changes back within a step was not "
-            "seen."
+            f"Found by trying, in {flips.steps} steps each way: what changes and changes back "
+            f"within a step was not seen."
         )
     elif np.isinf(certificate.radius):
         told.append("Whatever is seen, no option chooses otherwise.")
@@ -304,6 +333,8 @@ def _tell_feature(both: FeatureFlips, decision: Decision, spec: TaskSpec) -> str
             what += " it comes to a toss"
         else:
             what += f" gives {spec.action_names[flip.action]}"
+        if flip.tolerance:
+            what += f", to within {amount(flip.tolerance, feature)}"
         if not flip.is_familiar:
             what += ", beyond all that it has met"
         told.append(what)

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.mind import Mind
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.words import count, number, percent
 
 
@@ -36,6 +37,7 @@ class Forgotten:
     changed: tuple[Changed, ...]
     options: int  # Of the agent.
     options_after: int
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
 
 def compare_without(

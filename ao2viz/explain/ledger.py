@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from ao2viz.core.ledger import Ledger
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.words import capitalised, count, number, signed
 
 
@@ -32,6 +33,7 @@ class Account:
     entries: tuple[Entry, ...]  # In the order in which they came.
     expected: float  # What was expected after the rewards, where credit bootstraps.
     is_exact: bool  # The movements, made again, give the weight to the bit.
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
     def by_episode(self) -> dict[int, float]:
         """What each training episode contributed, the most important first."""

@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from ao2viz.core.mind import Mind
 from ao2viz.envs.ranges import Ranges
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.flips import find_flips
 from ao2viz.explain.program import Program, Solution
 from ao2viz.explain.radius import certify, turning_points
@@ -45,6 +46,7 @@ class NearestFlip:
     solved: int  # Programs solved so far.
     waiting: int  # Pairs of option and action that may still hold a nearer one.
     is_complete: bool  # The search has ended; else it was cut short.
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
     @property
     def gap(self) -> float:

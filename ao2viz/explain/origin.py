@@ -10,6 +10,7 @@ import numpy as np
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.mind import Mind, Story
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.words import amounts, count, number, percent
 
 
@@ -48,6 +49,7 @@ class Origin:
     is_by_trace: bool  # Whether the weight is the real trace's, not the imagined story's.
     has_moved_on: bool  # Experience has changed since the story that set the weight was imagined.
     explained: float  # What the parts come to: the weight, unless something has moved on.
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
 
 def explain_weight(mind: Mind, option: int, action: int) -> Origin:

@@ -12,6 +12,7 @@ class Question(Enum):
     NEAREST_FLIP = "nearest-flip"
     AHEAD = "ahead"
     WEIGHT = "weight"
+    OPTION = "option"
     NOVELTY = "novelty"
     FORGET = "forget"
     AGENT = "agent"

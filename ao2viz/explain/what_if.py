@@ -6,55 +6,44 @@ A local, counterfactual explanation whose state a person chooses.
 import numpy as np
 from numpy.typing import NDArray
 
-from ao2viz.core.decision import Decision
 from ao2viz.core.mind import Mind
 from ao2viz.envs.ranges import Ranges
 from ao2viz.envs.task import TaskSpec
-from ao2viz.explain.faithful import Faithfulness, measure_faithfulness
-from ao2viz.explain.flips import Flips, explain_flips
-from ao2viz.explain.radius import Certificate
+from ao2viz.explain.flips import Flips, affordable_steps, explain_flips
 from ao2viz.explain.words import amount, number
 
-MOST_TRIED = 24
-"""Explanations of so many recorded decisions are tried to say how faithful they are."""
+PATIENCE_S = 1.5
+"""Flips that are found by trying may take about so long, where a person waits for them."""
 
 
-def find_flips_at(mind: Mind, state: NDArray[np.float64], ranges: Ranges) -> Flips:
+def find_flips_at(
+    mind: Mind, state: NDArray[np.float64], ranges: Ranges, patience_s: float = PATIENCE_S
+) -> Flips:
     """What would flip the decision at a state [D]; takes some twenty milliseconds.
 
+    Of an agent that thinks ahead, as much as can be tried within a second or two.
+
     Raises:
-        ValueError: If the agent thinks ahead: then every place that is tried takes a plan.
+        ValueError: If even the fewest steps along each feature take longer.
     """
-    if mind.thinks_ahead:
+    steps = affordable_steps(mind, state, patience_s)
+    if steps == 0:
         raise ValueError(
-            "This agent thinks ahead, so every place that is tried takes a plan; that is too slow "
-            "for here. ao2viz explain FILE flip asks it."
+            "This agent thinks so far ahead that finding its flips by trying takes too long for "
+            "here: every place that is tried takes a plan. ao2viz explain FILE flip asks it."
         )
-    return explain_flips(mind, mind.decide(state), ranges)
+    return explain_flips(mind, mind.decide(state), ranges, steps)
 
 
-def try_explanations(
-    mind: Mind, spec: TaskSpec, decisions: list[Decision], ranges: Ranges
-) -> Faithfulness:
-    """How often explanations agree with the agent, on recorded decisions spread evenly.
-
-    Raises:
-        ValueError: If the agent thinks ahead, or nothing is recorded.
-    """
-    if mind.thinks_ahead or not decisions:
-        raise ValueError("Nothing is recorded that explanations could be tried on quickly.")
-    kept = np.unique(np.linspace(0, len(decisions) - 1, MOST_TRIED).astype(np.int64))
-    return measure_faithfulness(mind, spec, [decisions[n] for n in kept], ranges)
-
-
-def tell_certificate(
-    certificate: Certificate | None, attention: NDArray[np.float64], spec: TaskSpec
-) -> str:
+def tell_certainty(flips: Flips, attention: NDArray[np.float64], spec: TaskSpec) -> str:
     """What is certain around a state, and what that comes to for each feature alone."""
+    certificate = flips.certificate
     if certificate is None:
+        reason = "several options vote" if flips.decision.plan is None else "it thinks ahead"
         return (
-            "Nothing is certain at a distance: several options vote. The flips were found by "
-            "trying, step by step; what changes and changes back within a step was not seen."
+            f"Nothing is certain at a distance: {reason}. The flips were found by trying, in "
+            f"{flips.steps} steps each way, and are known to within a millionth of a step; what "
+            "changes and changes back within a step was not seen."
         )
     if np.isinf(certificate.radius):
         return "Certain: whatever is seen, no option chooses otherwise."

@@ -3,7 +3,7 @@
 Global explanations, over recorded states: they say what the agent did there, not everywhere.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,11 +12,16 @@ from numpy.typing import NDArray
 from ao2viz.core.config import Config, PaperConfig
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.mind import Mind
-from ao2viz.explain.faithful import Faithfulness
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.recording.episode import Episode
 
 # As many states are asked at the most where every one takes many decisions.
 MOST_STATES = 400
+# As many are looked at where every one takes a search for the most similar options only.
+MOST_SEARCHED = 20_000
+
+Asking = Callable[[float], bool | None]
+"""Told the share that is done; returning False ends it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,19 +60,27 @@ class Roles:
     idle: int  # Living options that have no part in any of these decisions.
     redundant: NDArray[np.int64]
     """Of those that spoke: without one of them, no action at these states would be another."""
-    states: int
+    states: int  # At which it was asked; fewer than were given if called off.
+    tried: int  # Of those that spoke, the most frequent first: muted to see if they are redundant.
 
 
-def find_roles(mind: Mind, states: NDArray[np.float64]) -> Roles:
+def find_roles(mind: Mind, states: NDArray[np.float64], on_progress: Asking | None = None) -> Roles:
     """Who decides at states [S, D], and who could be left out, one at a time.
 
     An option is muted and the agent is asked again wherever the option had a part. That several
-    are redundant does not mean that all of them together are.
+    are redundant does not mean that all of them together are. Called off, it tells of the states
+    that were asked, and of the options that were muted.
     """
     heard: dict[int, list[int]] = {}
     parts: dict[int, set[int]] = {}
-    actions = []
+    actions: list[int] = []
+
+    def goes_on(share: float) -> bool:
+        return on_progress is None or on_progress(share) is not False
+
     for place, state in enumerate(states):
+        if not goes_on(0.5 * place / len(states)):
+            break
         decision = mind.decide(state)
         actions.append(decision.action)
         for option in decision.voters[decision.shares > 0].tolist():
@@ -75,9 +88,13 @@ def find_roles(mind: Mind, states: NDArray[np.float64]) -> Roles:
         for option in _with_a_part(mind, decision):
             parts.setdefault(option, set()).add(place)
     order = sorted(heard, key=lambda option: (-len(heard[option]), option))
-    redundant = [
-        option for option in order if _is_redundant(mind, states, actions, option, parts[option])
-    ]
+    redundant, tried = [], 0
+    for option in order if len(actions) == len(states) else []:
+        if not goes_on(0.5 + 0.5 * tried / len(order)):
+            break
+        if _is_redundant(mind, states, actions, option, parts[option]):
+            redundant.append(option)
+        tried += 1
     supporting = sorted(set(parts) - set(heard))
     return Roles(
         deciding=np.array(order, np.int64),
@@ -85,7 +102,8 @@ def find_roles(mind: Mind, states: NDArray[np.float64]) -> Roles:
         supporting=np.array(supporting, np.int64),
         idle=len(mind.view) - len(parts),
         redundant=np.array(sorted(redundant), np.int64),
-        states=len(states),
+        states=len(actions),
+        tried=tried,
     )
 
 
@@ -116,7 +134,7 @@ class Coverage:
     radius: float  # Distance up to which an option stands for what is seen.
     distances: NDArray[np.float64]  # [S] from each state to the most similar option.
     share: float  # Of the states within the radius.
-    farthest: int  # The state that is least like anything known.
+    farthest: int  # The state that is least like anything known, by its place.
     visits: float  # Median experiences of the most similar option.
 
 
@@ -129,6 +147,7 @@ class Novelty:
     is_alarm: bool  # Farther than the radius: it has never met anything like it.
     visits: int  # Experiences of the most similar option.
     rank: float  # Share of the recorded states that are farther from what is known; 0: none is.
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
 
 def radius_of(mind: Mind) -> float:
@@ -229,6 +248,7 @@ class Carriers:
     seed: int  # Episode i begins as evaluation episode i of this seed.
     muted: tuple[Muted, ...]
     is_complete: bool  # False: called off before all were muted.
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
 
 @dataclass(frozen=True)
@@ -248,6 +268,7 @@ class Comparison:
 
     states: NDArray[np.float64]  # [S, D] at which both were asked.
     disagreements: tuple[Disagreement, ...]
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
     @property
     def share(self) -> float:
@@ -296,6 +317,26 @@ class Overview:
     faithfulness: Faithfulness | None  # None: nothing is recorded.
 
 
+def states_of(mind: Mind, episodes: Sequence[Episode]) -> NDArray[np.float64]:
+    """[S, D] the states in which recorded decisions were made; the options' values if none."""
+    recorded = [episode.observations[:-1] for episode in episodes if len(episode)]
+    return np.concatenate(recorded) if recorded else mind.view.values[mind.view.is_alive]
+
+
+def moment_of(place: int, episodes: Sequence[Episode]) -> tuple[int, int] | None:
+    """Episode and step of a recorded state by its place in `states_of`; None: there is none."""
+    for number, episode in enumerate(episodes):
+        if place < len(episode):
+            return number, place
+        place -= len(episode)
+    return None
+
+
 def sample_states(states: NDArray[np.float64], most: int = MOST_STATES) -> NDArray[np.float64]:
     """States [S, D] spread evenly over those given, no more than so many."""
-    return states[np.unique(np.linspace(0, len(states) - 1, most).astype(np.int64))]
+    return states[sample_places(len(states), most)]
+
+
+def sample_places(count: int, most: int) -> NDArray[np.int64]:
+    """Places from 0 on, spread evenly over so many, no more than `most`."""
+    return np.unique(np.linspace(0, count - 1, min(count, most)).astype(np.int64))

@@ -3,7 +3,7 @@
 import numpy as np
 
 from ao2viz.envs.task import TaskSpec
-from ao2viz.explain.faithful import Agreement, Faithfulness
+from ao2viz.explain.agreement import tell_faithfulness
 from ao2viz.explain.whole import (
     Attended,
     Carriers,
@@ -48,9 +48,15 @@ def tell_roles(told: Roles) -> str:
     return (
         f"In {count(told.states, 'state')} {count(len(told.deciding), 'option')} had a say, most "
         f"often {most}; {len(told.supporting):,} more only support them, {told.idle:,} had no "
-        f"part. {len(told.redundant):,} of those that had a say could be left out, one at a time, "
+        f"part. {len(told.redundant):,} of {_those_tried(told)} could be left out, one at a time, "
         f"without another action anywhere."
     )
+
+
+def _those_tried(told: Roles) -> str:
+    if told.tried == len(told.deciding):
+        return "those that had a say"
+    return f"the {told.tried:,} that were tried before it was called off"
 
 
 def tell_coverage(told: Coverage) -> str:
@@ -79,20 +85,6 @@ def tell_highlight(told: Highlight) -> str:
         f"Episode {told.episode}, step {told.step} (see steps {told.first} to {told.last}): the "
         f"best action was expected to earn {number(told.importance)} more than the worst."
     )
-
-
-def tell_faithfulness(told: Faithfulness) -> str:
-    """How often each kind of explanation agreed with the agent."""
-    return (
-        f"Faithful: {_say(told.parts)} parts add up to the choice, {_say(told.lines)} lines tell "
-        f"the action, {_say(told.flips)} flips flip; asked again, it decides as recorded in "
-        f"{_say(told.repeated)}."
-    )
-
-
-def _say(told: Agreement) -> str:
-    # A rounded share of all would hide the one that is not.
-    return f"{told.agreed:,} of {told.tried:,}"
 
 
 def tell_carriers(told: Carriers) -> tuple[str, ...]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from ao2viz.core.decision import DecideBy, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.sentence import Explanation, PathStep, explain, path_steps
 from ao2viz.explain.words import amount, capitalised, number, signed
 
@@ -55,6 +56,7 @@ class Why:
     runner_up_gap: float  # How much less similar the second option is, as distance; NaN: none.
     is_faithful: bool
     """Whether the parts choose what the agent chose; an action drawn at random they cannot."""
+    faithfulness: Faithfulness | None = None  # How often such answers agree with the agent.
 
 
 def explain_why(decision: Decision, spec: TaskSpec, view: ForestView) -> Why:

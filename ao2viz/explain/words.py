@@ -15,7 +15,8 @@ def number(value: float, digits: int = 3) -> str:
     if value != 0 and (abs(value) < 1e-4 or abs(value) >= 1e6):
         text = f"{value:.{digits - 1}e}"
     else:
-        size = int(np.floor(np.log10(abs(value)))) if value else 0
+        rounded = float(f"{value:.{digits - 1}e}")  # 0.9999 has the decimals of 1.00.
+        size = int(np.floor(np.log10(abs(rounded)))) if value else 0
         text = f"{value:.{max(0, min(6, digits - 1 - size))}f}"
     return "0" if float(text) == 0 and value == 0 else text.replace("-", "−")
 
@@ -66,7 +67,8 @@ def say_outcome(episode: Episode) -> str:
         ending = "ended by the task"
     elif episode.truncated:
         ending = "cut off by the time limit"
-    return f"return {episode.total_reward:.6g} in {len(episode):,} steps, {ending}"
+    earned = f"{episode.total_reward:.6g}".replace("-", "−")
+    return f"return {earned} in {len(episode):,} steps, {ending}"
 
 
 def capitalised(text: str) -> str:

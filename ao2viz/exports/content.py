@@ -3,12 +3,20 @@
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.core.forest import ForestView
+from ao2viz.core.mind import Mind
+from ao2viz.envs.ranges import unlimited
 from ao2viz.envs.task import TaskSpec
-from ao2viz.explain.sentence import Explanation, explain
+from ao2viz.explain.agreement import Faithfulness
+from ao2viz.explain.faithful import Trials
+from ao2viz.explain.sentence import Explanation
+from ao2viz.explain.telling import CHECKS
+from ao2viz.explain.why import Why, explain_why
+from ao2viz.exports.escaping import printable_names
 from ao2viz.recording.episode import Episode
 from ao2viz.store.saved import SavedAgent
 
@@ -30,6 +38,7 @@ class Step(NamedTuple):
     decision: Decision
     reward: float
     said: Explanation
+    is_faithful: bool  # What it is explained with adds up to the choice.
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,16 +50,29 @@ class Content:
     step: int | None  # Of the latest chosen episode, where one picture shows one decision.
     env_id: str  # Where the environment itself is needed; may name a module to import.
     progress: Progress
+    option: int = NO_OPTION  # Where one option is shown.
 
-    @property
+    @cached_property
     def spec(self) -> TaskSpec:
-        """The agent's task."""
-        return self.saved.spec
+        """The agent's task, with names in which every character can be printed."""
+        return printable_names(self.saved.spec)
 
     @property
     def view(self) -> ForestView:
         """The agent's forest as it was saved."""
         return self.saved.forest_view()
+
+    @property
+    def decisions(self) -> list[Decision]:
+        """Those of all chosen episodes."""
+        return [decision for _, episode in self.episodes for decision in episode.decisions]
+
+    @cached_property
+    def faithfulness(self) -> Faithfulness:
+        """How often what is told of decisions agrees with the agent; tried once."""
+        mind, n_features = Mind(self.saved.config, self.saved.state), self.spec.n_features
+        trials = Trials(mind, self.spec, self.decisions, lambda: unlimited(n_features))
+        return trials.on(CHECKS[Why])
 
     @property
     def chosen(self) -> Numbered:
@@ -76,11 +98,12 @@ class Content:
 
     def steps(self, numbered: Numbered) -> Iterator[Step]:
         """Every step of an episode, with the sentence that belongs to it."""
-        episode = numbered.episode
+        episode, view = numbered.episode, self.view
         for t, (decision, reward) in enumerate(
             zip(episode.decisions, episode.rewards.tolist(), strict=True)
         ):
-            yield Step(t, decision, reward, explain(decision, self.spec, self.view))
+            why = explain_why(decision, self.spec, view)
+            yield Step(t, decision, reward, why.explanation, why.is_faithful)
 
     def all_steps(self) -> Iterator[tuple[int, Step]]:
         """Every step of every chosen episode, with the episode's number; tells the progress."""

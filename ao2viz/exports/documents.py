@@ -5,6 +5,7 @@ from typing import IO, Any
 
 from ao2viz.core.config import config_to_dict
 from ao2viz.core.decision import Decision, Plan
+from ao2viz.explain.plain import to_plain
 from ao2viz.exports.content import (
     Content,
     Numbered,
@@ -72,6 +73,7 @@ def to_document(content: Content) -> dict[str, Any]:
             {"end_step": int(end), "return": total, "steps": int(steps), "options": int(options)}
             for end, total, steps, options in saved.history.tolist()
         ],
+        "faithfulness": to_plain(content.faithfulness),
         "episodes": [_episode(content, numbered, total) for numbered in content.episodes],
     }
 
@@ -88,6 +90,7 @@ def _episode(content: Content, numbered: Numbered, total: int) -> dict[str, Any]
                 "headline": step.said.headline,
                 "reason": step.said.reason,
                 "marks": list(step.said.marks),
+                "is_faithful": step.is_faithful,
                 "decision": _decision(step.decision),
             }
         )

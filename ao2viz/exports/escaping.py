@@ -2,6 +2,9 @@
 
 import html
 import re
+from dataclasses import replace
+
+from ao2viz.envs.task import TaskSpec
 
 # A table program takes a cell that begins so for a formula. Source: OWASP, "CSV Injection".
 _FORMULA = ("=", "+", "-", "@", "\t", "\r", "\uff1d", "\uff0b", "\uff0d", "\uff20")
@@ -33,9 +36,28 @@ _LATEX = {
 }
 
 
+def printable_names(spec: TaskSpec) -> TaskSpec:
+    """The task with names in which every character can be printed, as those in files are.
+
+    A name that was made in Python may hold any: those that break or turn round lines, or that XML
+    and UTF-8 do not have, become spaces.
+    """
+    features = (replace(f, name=_printable(f.name), unit=_printable(f.unit)) for f in spec.features)
+    return replace(
+        spec,
+        title=_printable(spec.title),
+        features=tuple(features),
+        action_names=tuple(_printable(name) for name in spec.action_names),
+    )
+
+
+def _printable(text: str) -> str:
+    return "".join(c if c.isprintable() else " " for c in text)
+
+
 def one_line(text: object) -> str:
     """Text without line breaks and control characters, which no format needs in a name."""
-    return "".join(c if c.isprintable() else " " for c in " ".join(str(text).split()))
+    return _printable(" ".join(str(text).split()))
 
 
 def to_html(text: object) -> str:

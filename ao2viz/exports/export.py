@@ -4,6 +4,7 @@ import os
 from pathlib import Path
 
 from ao2viz.agent import AO2
+from ao2viz.core.decision import NO_OPTION
 from ao2viz.exports.content import Content, Numbered, Progress
 from ao2viz.exports.formats import ABOUT, Format
 from ao2viz.extras import need
@@ -21,6 +22,7 @@ def export(
     *,
     episode: int | None = None,
     step: int | None = None,
+    option: int | None = None,
     overwrite: bool = False,
     env: str | None = None,
     progress: Progress | None = None,
@@ -34,9 +36,11 @@ def export(
         episode: Only this recorded episode, counted from 0. Otherwise all of them, and the latest
             in formats that show one.
         step: The step of that episode, in formats that show one decision.
+        option: The id of the option, in formats that show one.
         overwrite: Replaces a file that is there already. A folder is never replaced.
         env: The environment, where the id that the agent knows is not enough: "module:EnvId".
-        progress: Told the share that is done; what it raises stops the export.
+        progress: Told the share that is done, from 0 on, at the end 1; what it raises stops the
+            export.
 
     Returns:
         The path.
@@ -52,15 +56,18 @@ def export(
     path = Path(path)
     check_path(path, kind, overwrite=overwrite)
     need("exports", ABOUT[kind].libraries)
-    content = choose(agent, episode, step, env, progress)
+    content = choose(agent, episode, step, env, progress, option)
+    content.progress(0.0)
     path.parent.mkdir(parents=True, exist_ok=True)
     try:
         if ABOUT[kind].is_folder:
             with replacing_folder(path) as folder:
                 FOLDERS[kind](content, folder)
+                content.progress(1.0)
         else:
             with replacing(path) as stream:
                 FILES[kind](content, stream)
+                content.progress(1.0)
     except OSError as error:
         # Errors of a full disk name no file, others the one beside that nobody has asked for.
         raise OSError(error.errno, error.strerror or str(error), str(path)) from error
@@ -100,6 +107,7 @@ def choose(
     step: int | None = None,
     env: str | None = None,
     progress: Progress | None = None,
+    option: int | None = None,
 ) -> Content:
     """What the writers are given.
 
@@ -119,11 +127,26 @@ def choose(
         steps = len(episodes[-1].episode) if episodes else 0
         if not 0 <= step < steps:
             raise ValueError(f"There is no step {step}; {_range(steps, 'step')}.")
-    return Content(saved, episodes, step, env or saved.spec.env_id, progress or _say_nothing)
+    chosen = NO_OPTION if option is None else option
+    env_id = env or saved.spec.env_id
+    return Content(saved, episodes, step, env_id, _rising(progress or _say_nothing), chosen)
 
 
 def _range(count: int, noun: str) -> str:
     return f"there are {noun}s 0 to {count - 1}" if count else f"no {noun} is recorded"
+
+
+def _rising(progress: Progress) -> Progress:
+    """Tells a share that is more than all before; writers need not know who told the end."""
+    latest = -1.0
+
+    def tell(share: float) -> None:
+        nonlocal latest
+        if share > latest:
+            latest = share
+            progress(share)
+
+    return tell
 
 
 def _say_nothing(share: float) -> None:

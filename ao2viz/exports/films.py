@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
+from ao2viz.explain.agreement import tell_faithfulness
 from ao2viz.explain.words import number
 from ao2viz.exports.content import Content
 from ao2viz.figures.drawing import LIGHT, Drawing, Text
@@ -63,14 +64,15 @@ def _frames(content: Content) -> Iterator[Image.Image]:
     numbered = content.chosen
     episode = numbered.episode
     pictures = replay_pictures(episode, content.spec, content.env_id)
-    earned = np.cumsum(episode.rewards)
+    earned, width = np.cumsum(episode.rewards), _SIZE[0] - _PICTURE[0] - 60.0
+    note = tell_faithfulness(content.faithfulness)
     for step, pixels in zip(content.steps(numbered), pictures, strict=False):
         t = step.number
         head = (
             f"{content.spec.title} · episode {numbered.number} · step {t} of {len(episode) - 1} · "
             f"return so far {number(float(earned[t]), 4)}"
         )
-        path = draw_path(step.decision, content.spec, content.view, _SIZE[0] - _PICTURE[0] - 60.0)
+        path = draw_path(step.decision, content.spec, content.view, width, note=note)
         yield _compose(head, pixels, path)
         content.progress((t + 1) / len(episode))
 

@@ -31,6 +31,8 @@ class Format(Enum):
     REPLAY = "replay"
     MINARI = "minari"
     TENSORBOARD = "tensorboard"
+    OPTION = "option"
+    OPTION_JSON = "option-json"
 
 
 class Scope(Enum):
@@ -39,6 +41,7 @@ class Scope(Enum):
     AGENT = "the whole agent"
     EPISODE = "this episode"
     MOMENT = "this moment"
+    OPTION = "the selected option"
 
 
 @dataclass(frozen=True)
@@ -79,6 +82,8 @@ ABOUT: Mapping[Format, About] = {
     Format.REPLAY: About(".html", "an episode in three dimensions"),
     Format.MINARI: About("", "recorded episodes as a data set", ("minari", "pyarrow")),
     Format.TENSORBOARD: About("", "training and episodes as scalars", ("tensorboardX",)),
+    Format.OPTION: About(".md", "one option: value, weights, their reasons, experience, uses"),
+    Format.OPTION_JSON: About(".json", "one option, for programs"),
 }
 
 PURPOSES: Mapping[str, tuple[Format, ...]] = {
@@ -95,6 +100,7 @@ PURPOSES: Mapping[str, tuple[Format, ...]] = {
     "graphs": (Format.GRAPHML, Format.GEXF, Format.DOT, Format.CYTOSCAPE, Format.NODE_LINK),
     "the policy": (Format.POLICY, Format.RULES),
     "learning tools": (Format.MINARI, Format.TENSORBOARD),
+    "one option": (Format.OPTION, Format.OPTION_JSON),
 }
 """Every format once, by what people want it for."""
 
@@ -104,6 +110,8 @@ _OF_ONE_EPISODE = {Format.HTML, Format.LATEX, Format.REPLAY, Format.MP4, Format.
 
 def scopes_of(format: Format) -> tuple[Scope, ...]:
     """What a format can be about, the usual one first."""
+    if format in PURPOSES["one option"]:
+        return (Scope.OPTION,)
     if format in _OF_THE_AGENT:
         return (Scope.AGENT,)
     if format in _OF_ONE_EPISODE:

@@ -3,6 +3,7 @@
 from typing import IO
 
 from ao2viz.core.decision import Decision
+from ao2viz.explain.agreement import tell_faithfulness
 from ao2viz.exports.content import Content
 from ao2viz.figures.drawing import Drawing, to_svg
 from ao2viz.figures.pictures import draw_forest, draw_path
@@ -31,11 +32,14 @@ def write_path_png(content: Content, stream: IO[bytes]) -> None:
 
 def _forest(content: Content) -> Drawing:
     decision = None if content.step is None else _decision(content, content.step)
-    return draw_forest(content.view, content.spec, decision)
+    note = "" if decision is None else tell_faithfulness(content.faithfulness)
+    return draw_forest(content.view, content.spec, decision, note=note)
 
 
 def _path(content: Content) -> Drawing:
-    return draw_path(_decision(content, content.step or 0), content.spec, content.view)
+    decision = _decision(content, content.step or 0)
+    note = tell_faithfulness(content.faithfulness)
+    return draw_path(decision, content.spec, content.view, note=note)
 
 
 def _decision(content: Content, step: int) -> Decision:

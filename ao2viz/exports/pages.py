@@ -5,6 +5,7 @@ from typing import IO
 
 from ao2viz.core.config import config_to_dict
 from ao2viz.explain.abstract import summarise
+from ao2viz.explain.agreement import tell_faithfulness
 from ao2viz.explain.words import number, say_outcome
 from ao2viz.exports.content import Content, Step
 from ao2viz.exports.escaping import to_latex, to_markdown
@@ -33,7 +34,8 @@ def write_latex(content: Content, stream: IO[bytes]) -> None:
         r"% \usepackage{booktabs,longtable,textcomp}",
         rf"\begin{{longtable}}{{{columns}}}",
         rf"\caption{{{to_latex(spec.title)}: episode {number_}, seed {episode.seed}, return "
-        rf"{to_latex(number(episode.total_reward, 4))}.}}\\",
+        rf"{to_latex(number(episode.total_reward, 4))}. "
+        rf"{to_latex(tell_faithfulness(content.faithfulness))}}}\\",
         r"\toprule",
         " & ".join(to_latex(head) for head in heads) + r" \\",
         r"\midrule",
@@ -63,7 +65,7 @@ def _markdown(content: Content) -> Iterator[str]:
     spec, view = content.spec, content.view
     yield f"# {to_markdown(spec.title)}"
     yield ""
-    yield from _table(["", ""], summary_rows(content))
+    yield from table(["", ""], summary_rows(content))
     yield ""
     yield "## Attention"
     yield ""
@@ -71,12 +73,14 @@ def _markdown(content: Content) -> Iterator[str]:
         (f.name, f.unit, number(float(w)))
         for f, w in zip(spec.features, view.attention, strict=True)
     ]
-    yield from _table(["feature", "shown in", "weight of a unit of the environment"], rows)
+    yield from table(["feature", "shown in", "weight of a unit of the environment"], rows)
     yield ""
     yield "## Settings"
     yield ""
     settings = config_to_dict(content.saved.config)
-    yield from _table(["setting", "value"], [(n, str(v)) for n, v in settings.items()])
+    yield from table(["setting", "value"], [(n, str(v)) for n, v in settings.items()])
+    yield ""
+    yield to_markdown(tell_faithfulness(content.faithfulness))
     done, total = 0, sum(len(episode) for _, episode in content.episodes)
     for numbered in content.episodes:
         episode = numbered.episode
@@ -104,7 +108,8 @@ def _path(step: Step) -> str:
     return " → ".join(str(option) for option in step.decision.path.tolist())
 
 
-def _table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    """The lines of a table; its cells are escaped."""
     yield from _table_head(heads)
     for row in rows:
         yield _row(row)

@@ -1,7 +1,11 @@
 """The agent's policy as one Python file that needs numpy alone, and chooses the same actions."""
 
+import importlib.util
+import tempfile
 from collections.abc import Iterator
 from importlib import metadata
+from pathlib import Path
+from types import ModuleType
 from typing import IO
 
 import numpy as np
@@ -11,6 +15,10 @@ from ao2viz.core.decision import DecideBy
 from ao2viz.core.forest import Forest
 from ao2viz.core.inference import look_around
 from ao2viz.core.local_linear import make_workspace
+from ao2viz.core.mind import Mind
+from ao2viz.explain.faithful import spread
+from ao2viz.explain.whole import MOST_STATES
+from ao2viz.explain.words import count
 from ao2viz.exports.content import Content
 from ao2viz.exports.escaping import one_line
 from ao2viz.resources import static
@@ -34,21 +42,48 @@ def write_policy(content: Content, stream: IO[bytes]) -> None:
     else:
         env_actions = f"ENV_ACTIONS = np.array({spec.action_grid.tolist()!r}, np.float32)"
         result = "ENV_ACTIONS[choose(observation)].copy()"
-    source = template.format(
+    parts = {
         # Within the quotes of a docstring neither quotes nor backslashes may stand as they are.
-        env_id=one_line(spec.env_id).replace("\\", "/").replace('"', "'"),
-        n_options=f"{len(content.view):,}",
-        version=metadata.version("ao2viz"),
-        n_steps=f"{saved.n_steps:,}",
-        seed=saved.seed,
-        features=[one_line(f.name) for f in spec.features],
-        actions=[one_line(name) for name in spec.action_names],
-        env_actions=env_actions,
-        attention=content.view.attention.tolist(),
-        options="".join(_rows(content)),
-        result=result,
-    )
-    stream.write(source.encode())
+        "env_id": one_line(spec.env_id).replace("\\", "/").replace('"', "'"),
+        "n_options": f"{len(content.view):,}",
+        "version": metadata.version("ao2viz"),
+        "n_steps": f"{saved.n_steps:,}",
+        "seed": saved.seed,
+        "features": [one_line(f.name) for f in spec.features],
+        "actions": [one_line(name) for name in spec.action_names],
+        "env_actions": env_actions,
+        "attention": content.view.attention.tolist(),
+        "options": "".join(_rows(content)),
+        "result": result,
+    }
+    told = _try_out(template.format(**parts, faithfulness=""), content)
+    stream.write(template.format(**parts, faithfulness=told).encode())
+
+
+def _try_out(source: str, content: Content) -> str:
+    """On how many recorded states the file chooses as the agent does; it is run for that."""
+    mind = Mind(content.saved.config, content.saved.state)
+    seen = [decision.observation for decision in content.decisions]
+    where = "recorded state"
+    if not seen:
+        seen, where = list(content.view.values[content.view.is_alive]), "option"
+    states = spread(seen, MOST_STATES)
+    with tempfile.TemporaryDirectory(prefix="ao2viz-") as folder:
+        path = Path(folder) / "policy.py"
+        path.write_text(source, "utf-8")
+        module = load_module("ao2viz_exported_policy", path)
+    agreed = sum(module.choose(state) == mind.act(state) for state in states)
+    return f"Tried at {count(len(states), where)}: it chooses as the agent does at {agreed:,}."
+
+
+def load_module(name: str, path: Path) -> ModuleType:
+    """Runs a file of Python that we wrote, apart from all others."""
+    found = importlib.util.spec_from_file_location(name, path)
+    assert found is not None
+    assert found.loader is not None
+    module = importlib.util.module_from_spec(found)
+    found.loader.exec_module(module)
+    return module
 
 
 def _check(content: Content) -> None:

@@ -58,7 +58,6 @@ def fill_minari(content: Content, folder: Path) -> None:
             f"{content.saved.n_steps} steps; recorded with ao2viz.",
             data_format="arrow",
         )
-    content.progress(1.0)
 
 
 def dataset_name(spec: TaskSpec) -> str:

@@ -12,13 +12,16 @@ from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.words import number
 from ao2viz.exports.content import Content, Step
-from ao2viz.exports.escaping import one_line
+from ao2viz.exports.escaping import one_line, to_html
 from ao2viz.figures.palette import EDGE, PATH, UNTRIED, action_colors
+from ao2viz.figures.raster import shorten
 from ao2viz.layout.cones import find_heights
 from ao2viz.layout.discs import lay_out
 
+_TITLE = "<title>Viser</title>"  # Of the page that viser writes.
 _STEP_S = 0.25  # Shown for so long.
 _DEEP = 0.5  # Heights of the cones, as a share of those on the canvas.
+_NAME_WIDTH = 240  # Pixels for an action's name; a longer one would run off the page.
 _SIZES = (0.5, 0.7, 0.9)  # Of points, by how often an option was visited.
 
 
@@ -47,8 +50,8 @@ def write_replay(content: Content, stream: IO[bytes]) -> None:
     finally:
         with contextlib.redirect_stdout(None):
             server.stop()
-    stream.write(page.encode())
-    content.progress(1.0)
+    title = f"{spec.title}, episode {numbered.number + 1}: an AO2 agent's decisions"
+    stream.write(page.replace(_TITLE, f"<title>{to_html(title)}</title>", 1).encode())
 
 
 def _place(view: ForestView) -> NDArray[np.float32]:
@@ -95,9 +98,10 @@ def _draw_step(
     scene.add_line_segments("/path/line", ends, PATH, thickness=5.0, thickness_units="screen")
     _add_points(scene, "/path/options", shown, pink, 1.1)
     decision = step.decision
+    name = shorten(one_line(spec.action_names[decision.action]), 14, _NAME_WIDTH)
     told = (
-        f"step {step.number} of {steps - 1}: {one_line(spec.action_names[decision.action])}, "
-        f"margin {number(decision.margin)}"
+        f"step {step.number} of {steps - 1}: {name}, "
+        f"margin {number(decision.margin)}{'' if step.is_faithful else ', NOT as explained'}"
     )
     top = np.nanmax(places, axis=0) if len(places) else np.zeros(3)
     scene.add_label("/told", told, position=(0.0, float(top[1]), 6.0), anchor="bottom-center")

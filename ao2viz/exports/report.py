@@ -11,6 +11,7 @@ import numpy as np
 from markupsafe import Markup
 
 from ao2viz.core.config import config_to_dict
+from ao2viz.explain.agreement import tell_faithfulness
 from ao2viz.explain.sentence import path_steps
 from ao2viz.explain.words import amounts, count, number, percent, say_outcome, told_apart
 from ao2viz.exports.content import Content, Numbered, Step
@@ -100,6 +101,7 @@ def _describe(content: Content) -> dict[str, Any]:
             (name, value) for name, value in summary_rows(content) if name != "environment"
         ],
         "charts": charts,
+        "faithfulness": tell_faithfulness(content.faithfulness),
         "attention": [
             (f.name, f.unit or "a plain number", number(float(w)))
             for f, w in zip(spec.features, view.attention, strict=True)

@@ -118,7 +118,6 @@ def write_rules(content: Content, stream: IO[bytes]) -> None:
         lines.append(f"    THEN {one_line(spec.action_names[rule.action])}")
         lines.append(f"    ({_percent(shares[i])} of those states{right})")
     stream.write("\n".join(lines).encode() + b"\n")
-    content.progress(1.0)
 
 
 def apply(rules: list[Rule], states: NDArray[np.float64], spec: TaskSpec) -> NDArray[np.int64]:

@@ -7,6 +7,7 @@ import json
 from collections.abc import Iterable, Iterator, Sequence
 from typing import IO, Any
 
+from ao2viz.explain.plain import to_plain
 from ao2viz.exports.content import (
     Content,
     Step,
@@ -27,7 +28,7 @@ def write_steps_csv(content: Content, stream: IO[bytes]) -> None:
         *("action", "action name"),
         *(f"expected {i}: {name}" for i, name in enumerate(spec.action_names)),
         *("margin", "reward", "path", "distance", "runner-up option", "runner-up distance"),
-        *("voters", "explored", "tie", "new option", "reason"),
+        *("voters", "explored", "tie", "new option", "reason", "faithful"),
     ]
     rows = (
         [
@@ -46,6 +47,7 @@ def write_steps_csv(content: Content, stream: IO[bytes]) -> None:
             int(step.decision.is_tie),
             option_or_none(step.decision.created),
             step.said.reason,
+            int(step.is_faithful),
         ]
         for episode, step in content.all_steps()
     )
@@ -55,7 +57,11 @@ def write_steps_csv(content: Content, stream: IO[bytes]) -> None:
 def write_paths_csv(content: Content, stream: IO[bytes]) -> None:
     """One row for each option on each path of each step, the path of the most similar first."""
     content.need_episodes()
-    head = [*("episode", "step", "voter", "share", "position", "option", "distance"), "action name"]
+    head = [
+        *("episode", "step", "voter", "share", "position", "option", "distance"),
+        "action name",
+        "faithful",
+    ]
     write_rows(stream, head, _path_rows(content))
 
 
@@ -88,6 +94,7 @@ def write_parquet(content: Content, stream: IO[bytes]) -> None:
             pa.field("is_tie", pa.bool_(), nullable=False),
             pa.field("created_option", pa.int64()),
             pa.field("reason", pa.string(), nullable=False),
+            pa.field("is_faithful", pa.bool_(), nullable=False),
         ],
         metadata={
             "ao2viz": json.dumps(
@@ -95,6 +102,7 @@ def write_parquet(content: Content, stream: IO[bytes]) -> None:
                     "environment": content.spec.env_id,
                     "features": [f.name for f in content.spec.features],
                     "actions": list(content.spec.action_names),
+                    "faithfulness": to_plain(content.faithfulness),
                 }
             )
         },
@@ -128,6 +136,7 @@ def _to_row(episode: int, step: Step) -> dict[str, Any]:
         "is_tie": decision.is_tie,
         "created_option": option_or_none(decision.created),
         "reason": step.said.reason,
+        "is_faithful": step.is_faithful,
     }
 
 
@@ -138,6 +147,7 @@ def _path_rows(content: Content) -> Iterator[list[Any]]:
                 yield [
                     *(episode, step.number, k, share, position),
                     *(element["option"], element["distance"], step.said.headline),
+                    int(step.is_faithful),
                 ]
 
 

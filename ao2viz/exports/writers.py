@@ -21,6 +21,7 @@ from ao2viz.exports.images import (
     write_path_png,
     write_path_svg,
 )
+from ao2viz.exports.options import write_option, write_option_json
 from ao2viz.exports.pages import write_latex, write_markdown
 from ao2viz.exports.policy import write_policy
 from ao2viz.exports.records import fill_minari, fill_tensorboard
@@ -51,6 +52,8 @@ FILES: Mapping[Format, Callable[[Content, IO[bytes]], None]] = {
     Format.MP4: write_mp4,
     Format.GIF: write_gif,
     Format.REPLAY: write_replay,
+    Format.OPTION: write_option,
+    Format.OPTION_JSON: write_option_json,
 }
 """Formats that are one file; the stream begins empty."""
 

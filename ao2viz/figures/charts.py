@@ -8,16 +8,13 @@ import plotly.graph_objects as go
 from numpy.typing import NDArray
 
 from ao2viz.envs.task import TaskSpec
-from ao2viz.figures.palette import ACTIONS, action_colors, to_hex
+from ao2viz.figures.palette import DARK, Palette, Rgb, action_colors, to_hex
 
 MAX_POINTS = 2_000
 """More points than a chart has pixels are thinned out."""
 
 SMOOTH_EPISODES = 20
 """The running mean is over so many episodes unless asked otherwise."""
-
-_INK = "#8b95a5"  # Readable on #1a1d24 and on white alike.
-_GRID = "rgba(139,149,165,0.22)"
 
 
 class Over(Enum):
@@ -52,6 +49,7 @@ def returns_figure(
     over: Over = Over.STEPS,
     seconds: NDArray[np.float64] | None = None,
     smoothing: int = SMOOTH_EPISODES,
+    palette: Palette = DARK,
 ) -> go.Figure:
     """Return of each training episode, and its running mean.
 
@@ -61,12 +59,13 @@ def returns_figure(
         over: What the episodes stand over.
         seconds: [E] when each ended; only needed over seconds.
         smoothing: Episodes in the running mean; 1 leaves it out.
+        palette: The colours of the page that it stands on.
     """
-    figure = _frame(_AXES[over], "return")
+    figure = _frame(_AXES[over], "return", palette)
     steps, returns = places_on(over, history, seconds), history[:, 1]
     smooth = _running_mean(returns, smoothing)
     shown = _thin(len(steps))
-    line = {"color": to_hex(ACTIONS[0])}
+    line = {"color": to_hex(palette.actions[0])}
     figure.add_scatter(
         x=steps[shown],
         y=returns[shown],
@@ -82,11 +81,16 @@ def returns_figure(
             y=smooth[shown],
             name=f"mean of {smoothing}",
             mode="lines",
-            line={"color": to_hex(ACTIONS[1]), "width": 2.5},
+            line={"color": to_hex(palette.actions[1]), "width": 2.5},
         )
     if spec is not None:
-        _mark(figure, spec.entry.solved_at, "solved", "dash")
-        _mark(figure, spec.entry.paper_score, "paper", "dot")
+        marks = (("solved", spec.entry.solved_at, "dash"), ("paper", spec.entry.paper_score, "dot"))
+        known = [(word, level, dash) for word, level, dash in marks if level is not None]
+        highest = max((level for _, level, _ in known), default=0.0)
+        for word, level, dash in known:
+            # Where two lines lie close, their words stand on either side of the pair.
+            side = "top left" if level == highest else "bottom left"
+            _mark(figure, level, word, dash, side, palette)
     return figure
 
 
@@ -94,18 +98,19 @@ def options_figure(
     history: NDArray[np.float64],
     over: Over = Over.STEPS,
     seconds: NDArray[np.float64] | None = None,
+    palette: Palette = DARK,
 ) -> go.Figure:
     """Living options at the end of each training episode; see `returns_figure`."""
-    figure = _frame(_AXES[over], "options")
+    figure = _frame(_AXES[over], "options", palette)
     shown = _thin(len(history))
     figure.add_scatter(
         x=places_on(over, history, seconds)[shown],
         y=history[shown, 3],
         name="options",
         mode="lines",
-        line={"color": to_hex(ACTIONS[2]), "width": 2.5},
+        line={"color": to_hex(palette.actions[2]), "width": 2.5},
         fill="tozeroy",
-        fillcolor="rgba(0,158,115,0.13)",
+        fillcolor=_faint(palette.actions[2], 0.13),
     )
     figure.update_layout(showlegend=False)
     return figure
@@ -117,15 +122,18 @@ def margins_figure(margins: NDArray[np.float64]) -> go.Figure:
     Args:
         margins: [T] of the decisions.
     """
-    figure = _frame("step", "margin")
+    figure = _frame("step", "margin", DARK)
     shown = _thin(len(margins))
-    line = {"color": to_hex(ACTIONS[0]), "width": 1.8}
+    line = {"color": to_hex(DARK.actions[0]), "width": 1.8}
     figure.add_scatter(x=shown, y=margins[shown], name="margin", mode="lines", line=line)
     return figure
 
 
 def weights_figure(
-    weights: NDArray[np.float64], visits: NDArray[np.int64], spec: TaskSpec
+    weights: NDArray[np.float64],
+    visits: NDArray[np.int64],
+    spec: TaskSpec,
+    palette: Palette = DARK,
 ) -> go.Figure:
     """What one option expects of each action; an action it never tried is left empty.
 
@@ -133,9 +141,11 @@ def weights_figure(
         weights: [A] of the option.
         visits: [A] of the option.
         spec: Names the actions.
+        palette: The colours of the page that it stands on.
     """
-    figure = _frame("expected return", "")
-    colors = action_colors(spec.n_actions, is_ordered=spec.action_grid is not None)
+    figure = _frame("expected return", "", palette)
+    is_ordered = spec.action_grid is not None
+    colors = action_colors(spec.n_actions, is_ordered=is_ordered, palette=palette)
     tried = np.where(visits > 0, weights, np.nan)
     figure.add_bar(
         y=list(spec.action_names),
@@ -158,8 +168,9 @@ _AXES = {
 }
 
 
-def style(figure: go.Figure, x: str, y: str) -> None:
+def style(figure: go.Figure, x: str, y: str, palette: Palette = DARK) -> None:
     """Gives every chart of a figure our letters, grid and axis titles."""
+    grid = _faint(palette.chart, 0.22)
     figure.update_layout(
         template="none",
         paper_bgcolor="rgba(0,0,0,0)",
@@ -167,7 +178,7 @@ def style(figure: go.Figure, x: str, y: str) -> None:
         font={
             "family": "Segoe UI, Roboto, Helvetica, Arial, sans-serif",
             "size": 11,
-            "color": _INK,
+            "color": to_hex(palette.chart),
         },
         margin={"l": 46, "r": 10, "t": 26, "b": 38},
         legend={
@@ -180,9 +191,9 @@ def style(figure: go.Figure, x: str, y: str) -> None:
         hovermode="x unified",
     )
     axis = {
-        "gridcolor": _GRID,
+        "gridcolor": grid,
         "zeroline": False,
-        "linecolor": _GRID,
+        "linecolor": grid,
         "ticks": "",
         "automargin": True,
     }
@@ -190,23 +201,27 @@ def style(figure: go.Figure, x: str, y: str) -> None:
     figure.update_yaxes(title={"text": y, "standoff": 4}, **axis)
 
 
-def _frame(x: str, y: str) -> go.Figure:
+def _frame(x: str, y: str, palette: Palette) -> go.Figure:
     figure = go.Figure()
-    style(figure, x, y)
+    style(figure, x, y, palette)
     return figure
 
 
-def _mark(figure: go.Figure, level: float | None, word: str, dash: str) -> None:
-    if level is None:
-        return
+def _faint(rgb: Rgb, opacity: float) -> str:
+    return f"rgba({rgb[0]},{rgb[1]},{rgb[2]},{opacity:g})"
+
+
+def _mark(
+    figure: go.Figure, level: float, word: str, dash: str, side: str, palette: Palette
+) -> None:
     figure.add_hline(
         y=level,
-        line={"color": _INK, "width": 1.2, "dash": dash},
+        line={"color": to_hex(palette.chart), "width": 1.2, "dash": dash},
         annotation={
             "text": f"{word} {level:g}".replace("-", "−"),
-            "font": {"size": 10, "color": _INK},
+            "font": {"size": 10, "color": to_hex(palette.chart)},
         },
-        annotation_position="top left",
+        annotation_position=side,
     )
 
 

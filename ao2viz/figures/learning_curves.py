@@ -11,6 +11,7 @@ from plotly.subplots import make_subplots
 
 from ao2viz.baselines.algorithm import Acting
 from ao2viz.core.decision import DecideBy
+from ao2viz.figures.bands import band
 from ao2viz.figures.charts import style
 from ao2viz.figures.palette import Rgb, action_colors, to_hex
 
@@ -27,7 +28,6 @@ _WAYS: Mapping[DecideBy | Acting, str] = {
     Acting.GREEDY: "greedy",
     Acting.SAMPLED: "drawn",
 }
-_BAND_OPACITY = 0.16
 _SEED_OPACITY = 0.35
 
 
@@ -98,17 +98,6 @@ def _traces(curve: Curve, name: str, color: Rgb, *, in_legend: bool) -> list[go.
     dash = _DASHES[curve.decide_by]
     line = {"color": to_hex(color), "dash": dash}
     common = {"legendgroup": name, "name": name}
-    band = go.Scatter(
-        x=np.concatenate([curve.steps, curve.steps[::-1]]),
-        y=np.concatenate([curve.high, curve.low[::-1]]),
-        fill="toself",
-        fillcolor=f"rgba({color[0]},{color[1]},{color[2]},{_BAND_OPACITY})",
-        line={"width": 0},
-        mode="lines",
-        hoverinfo="skip",
-        showlegend=False,
-        **common,
-    )
     seeds = [
         go.Scatter(
             x=curve.steps,
@@ -138,4 +127,5 @@ def _traces(curve: Curve, name: str, color: Rgb, *, in_legend: bool) -> list[go.
         ),
         **common,
     )
-    return [band, *seeds, middle]
+    around = band(curve.steps, curve.low, curve.high, color, **common)
+    return [around, *seeds, middle]

@@ -13,6 +13,7 @@ LEFT, RIGHT, TOP, BOTTOM = 64.0, 28.0, 36.0, 40.0
 """From the edge of a chart to its lines."""
 
 _SIZE = 13.0
+_LETTER = 7.5  # Width, roughly: the reader's browser has the font.
 _TICKS = 5
 
 
@@ -46,16 +47,17 @@ def draw_lines(figure: go.Figure, title: str, width: float, height: float) -> Dr
     middle = (LEFT + width - RIGHT) / 2
     axis_title = layout.xaxis.title.text or ""
     shapes.append(Text(middle, height - 4, axis_title, _SIZE, "currentColor", anchor="middle"))
-    at = LEFT
+    at, drawn = LEFT, []
     for x, y, trace in lines:
         points = np.column_stack([across.place(x), up.place(y)])
+        drawn.append(points)
         color, opacity = trace.line.color, trace.opacity or 1.0
         shapes.append(Polyline(points, color, float(trace.line.width or 2), opacity))
         if len(lines) > 1 and trace.name:
             swatch = np.array([[[at, 14.0], [at + 18, 14.0]]])
             shapes.append(Segments(swatch, color, 3, opacity))
             shapes.append(Text(at + 24, 18, trace.name, _SIZE, "currentColor"))
-            at += 48 + 7.5 * len(trace.name)
+            at += 48 + _LETTER * len(trace.name)
     for level, mark in zip(levels, layout.annotations, strict=False):
         y = float(up.place(np.array(level)))
         dashes = np.arange(LEFT, width - RIGHT - 6, 12.0)
@@ -68,10 +70,38 @@ def draw_lines(figure: go.Figure, title: str, width: float, height: float) -> Dr
         )
         shapes.append(Segments(ends, "currentColor", 1.2))
         # The lowest one's words go below its line, so that two close ones stay apart.
-        below = len(levels) > 1 and level == min(levels)
-        words = y + 15 if below else y - 5
-        shapes.append(Text(LEFT + 4, words, mark.text or "", _SIZE, "currentColor"))
+        sides = (False, True) if len(levels) == 1 else (level == min(levels),)
+        shapes.append(_put_words(mark.text or "", y, sides, width, drawn))
     return Drawing(width, height, tuple(shapes), title, "none")
+
+
+def _put_words(
+    words: str, y: float, sides: tuple[bool, ...], width: float, lines: list[NDArray[np.float64]]
+) -> Text:
+    """Words at either end of a level, above it or (True) below, where the fewest lines cross them.
+
+    Args:
+        words: What the level is.
+        y: Of the level, in pixels.
+        sides: Of the level that may be taken, the first where it makes no difference.
+        width: Of the chart.
+        lines: [N, 2] points of each, in pixels.
+    """
+    long = _LETTER * len(words)
+    left, right = LEFT + 4, width - RIGHT - 4
+
+    def count_crossed(place: tuple[bool, str]) -> int:
+        is_below, anchor = place
+        first = left if anchor == "start" else right - long
+        top = y + 3 if is_below else y - 5 - _SIZE
+        x = np.linspace(first, first + long, 64)
+        heights = [np.interp(x, *line.T, left=np.nan, right=np.nan) for line in lines]
+        return sum(bool(((at >= top) & (at <= top + _SIZE + 2)).any()) for at in heights)
+
+    places = [(is_below, anchor) for anchor in ("start", "end") for is_below in sides]
+    is_below, anchor = min(places, key=count_crossed)
+    x = left if anchor == "start" else right
+    return Text(x, y + 15 if is_below else y - 5, words, _SIZE, "currentColor", anchor=anchor)
 
 
 class _Axis:

@@ -30,6 +30,7 @@ MAX_DRAWN = 20_000
 """Options; of a bigger forest the most visited are drawn, and all that a path needs."""
 
 _SHOWN_STEPS = 9  # Of a path; a longer one loses its middle.
+_WHOLE = " of the distance"  # Said of a share where there is room for it.
 _LINE = 1.45  # Height of a line of text, in letter sizes.
 
 
@@ -129,15 +130,16 @@ def draw_forest(
     decision: Decision | None = None,
     width: float = 1200.0,
     theme: Theme = LIGHT,
+    note: str = "",
 ) -> Drawing:
-    """The whole forest with a legend, and the path of a decision if one is given."""
+    """The whole forest with a legend, and the path of a decision if one is given, with a note."""
     path = np.empty(0, np.int64) if decision is None else decision.path
     margin, size = 24.0, 15.0
     picture = ForestPicture(view, spec, width - 2 * margin, path, tallest=1.2 * width)
     heading = [Text(margin, margin + 18, shorten(spec.title, 22, width - 60), 22, theme.ink, True)]
     lines = [picture.caption]
     if decision is not None:
-        lines += wrap(_sentence(decision, spec, view), size, width - 2 * margin)
+        lines += wrap(f"{_sentence(decision, spec, view)} {note}", size, width - 2 * margin)
     top = margin + 22
     shapes: list[Shape] = list(heading)
     for line in lines:
@@ -159,8 +161,9 @@ def draw_path(
     view: ForestView,
     width: float = 640.0,
     theme: Theme = LIGHT,
+    note: str = "",
 ) -> Drawing:
-    """The path as a stack, the root on top, the action at its end, and the sentence below."""
+    """The path as a stack, the root on top, the action at its end; sentence and note below."""
     margin, size, inner = 20.0, 14.0, width - 40.0
     colors = action_colors(spec.n_actions, is_ordered=spec.action_grid is not None)
     said = explain(decision, spec, view)
@@ -194,8 +197,10 @@ def draw_path(
         line = y + 28.0
         for gap in gaps:
             line += size * _LINE
-            share = "" if np.isnan(gap.share) else f" · {percent(gap.share)} of the distance"
+            share = "" if np.isnan(gap.share) else f" · {percent(gap.share)}"
             text = f"{gap.feature}: {gap.known} there, {gap.seen} now{share}"
+            if share and text_width(f"{text}{_WHOLE}", size) <= inner - 46:
+                text += _WHOLE
             shapes.append(Text(margin + 34, line, shorten(text, size, inner - 46), size, theme.dim))
         y += height + 10
     if steps:
@@ -213,6 +218,9 @@ def draw_path(
     for line in wrap(said.reason, size, inner):
         y += size * _LINE
         shapes.append(Text(margin, y, line, size, theme.ink))
+    for line in wrap(note, size, inner):
+        y += size * _LINE
+        shapes.append(Text(margin, y, line, size, theme.dim))
     title = f"{said.headline}. {said.reason}"
     return Drawing(width, y + margin, tuple(shapes), title, theme.paper)
 

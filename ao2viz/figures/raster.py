@@ -1,6 +1,5 @@
-"""Drawings as pixels, through Pillow: no browser, no fonts of the system."""
+"""Drawings as pixels, through Pillow: no browser; fonts of the system only for far scripts."""
 
-import functools
 from typing import IO
 
 import numpy as np
@@ -8,7 +7,7 @@ from numpy.typing import NDArray
 from PIL import Image, ImageColor, ImageDraw, ImageFont
 
 from ao2viz.figures.drawing import Box, Dots, Drawing, Polyline, Ring, Segments, Shape, Text
-from ao2viz.resources import static
+from ao2viz.figures.fonts import Run, open_font, own_font, to_runs
 
 _FINER = 3  # Drawn so many times larger and shrunk, which smooths the edges.
 
@@ -32,7 +31,8 @@ def write_png(drawing: Drawing, stream: IO[bytes], scale: float = 2.0) -> None:
 
 def text_width(text: str, size: float, *, is_bold: bool = False) -> float:
     """How wide a text is, in the units of `size`."""
-    return _font(100, is_bold).getlength(text) * size / 100
+    runs = to_runs(text, is_bold=is_bold)
+    return sum(_font(run, 100, is_bold).getlength(run.text) for run in runs) * size / 100
 
 
 def wrap(text: str, size: float, width: float) -> list[str]:
@@ -68,10 +68,8 @@ def _fits(text: str, size: float, width: float) -> bool:
     return text_width(text, size) <= width
 
 
-@functools.cache
-def _font(size: int, is_bold: bool) -> ImageFont.FreeTypeFont:
-    name = "DejaVuSans-Bold.ttf" if is_bold else "DejaVuSans.ttf"
-    return ImageFont.truetype(static() / "fonts" / name, size, layout_engine=ImageFont.Layout.BASIC)
+def _font(run: Run, size: int, is_bold: bool) -> ImageFont.FreeTypeFont:
+    return open_font(own_font(is_bold) if run.font is None else run.font, size)
 
 
 def _color(color: str, opacity: float = 1.0) -> tuple[int, ...]:
@@ -119,13 +117,22 @@ def _draw(pen: ImageDraw.ImageDraw, shape: Shape, k: float) -> None:
                 max(1, round(k)) if shape.outline else 0,
             )
         case Text():
-            pen.text(
-                (shape.x * k, shape.y * k),
-                shape.text,
-                _color(shape.color),
-                _font(round(shape.size * k), shape.is_bold),
-                {"start": "ls", "middle": "ms", "end": "rs"}[shape.anchor],
-            )
+            _write(pen, shape, k)
+
+
+def _write(pen: ImageDraw.ImageDraw, text: Text, k: float) -> None:
+    """Draws a text, piece by piece where it takes several fonts."""
+    size, x = round(text.size * k), text.x * k
+    runs = to_runs(text.text, is_bold=text.is_bold)
+    anchor = {"start": "ls", "middle": "ms", "end": "rs"}[text.anchor]
+    if len(runs) > 1:
+        widths = [_font(run, size, text.is_bold).getlength(run.text) for run in runs]
+        x -= {"start": 0.0, "middle": 0.5, "end": 1.0}[text.anchor] * sum(widths)
+        anchor = "ls"
+    for run in runs:
+        font = _font(run, size, text.is_bold)
+        pen.text((x, text.y * k), run.text, _color(text.color), font, anchor)
+        x += font.getlength(run.text)
 
 
 def _pieces(points: NDArray[np.float64]) -> list[NDArray[np.float64]]:

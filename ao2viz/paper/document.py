@@ -1,7 +1,7 @@
 """A report as plain values, and the two things it becomes: Markdown, and one page of HTML."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import metadata
 
 import jinja2
@@ -115,4 +115,4 @@ def _pictures(sections: Sequence[Section]) -> Iterator[Picture]:
 
 
 def _on_white(drawing: Drawing) -> Drawing:
-    return Drawing(drawing.width, drawing.height, drawing.shapes, drawing.title, LIGHT.paper)
+    return replace(drawing, paper=LIGHT.paper)

@@ -3,7 +3,7 @@
 import json
 import platform
 from collections import defaultdict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from importlib import metadata
 
 import numpy as np
@@ -16,6 +16,7 @@ from ao2viz.experiments.measure import Evaluation
 from ao2viz.experiments.plan import Task
 from ao2viz.experiments.report import number
 from ao2viz.experiments.statistics import Summary, summarise
+from ao2viz.explain.words import count
 from ao2viz.paper.document import Paragraph, Part, Picture, Section, Table
 from ao2viz.paper.figures import EPISODES_A_POINT, curves_drawing, training_drawing, training_points
 from ao2viz.paper.phases import find_phases
@@ -35,9 +36,13 @@ TITLE = "The paper's experiments, run side by side"
 MISSED = "▼"
 """Behind a figure of ours that is below the paper's."""
 
+Along = Mapping[Learner, Sequence[Summary]]
+"""Each learner's checkpoints on one task."""
+
 _NONE = "–"
 _NOT_YET = "Not run yet."
-_MAIN = (DecideBy.PATH, Acting.GREEDY)
+MAIN_WAYS = (DecideBy.PATH, Acting.GREEDY)
+"""How agents decide in the figures that are laid beside the paper's."""
 _PHASES = 3
 _LIBRARIES = ("ao2viz", "gymnasium", "numba", "numpy", "torch", "stable-baselines3", "sb3-contrib")
 
@@ -58,13 +63,14 @@ def report(evaluations: Sequence[Evaluation], tasks: Sequence[Task], command: st
         if {one.steps for one in rows if one.run == task.run} == set(task.schedule.checkpoints)
     ]
     main = [one for one in rows if is_main(one.run)]
+    along = {env: _along(env, main) for env in ENVS}
     return [
         Section("What this is", _about(rows, tasks, whole, command)),
-        *(Section(env, _task(env, main, tasks)) for env in ENVS),
+        *(Section(env, _task(env, found, tasks)) for env, found in along.items()),
         Section("Pendulum: the training curve of AO2", _training(main)),
-        Section("Behaviour experiments", _behaviour(rows, main)),
+        Section("Behaviour experiments", _behaviour(rows)),
         Section("Sizes of the option sets", _sizes(main)),
-        Section("Every seed", _every_seed(main)),
+        Section("Every seed", _every_seed(along)),
     ]
 
 
@@ -75,8 +81,9 @@ def _about(
     episodes = " or ".join(str(n) for n in sorted({len(one.returns) for one in rows})) or _NONE
     seeds = sorted({task.run.seed for task in tasks})
     versions = ", ".join(f"{name} {_version(name)}" for name in _LIBRARIES)
-    when = sorted(one.finished_at for one in rows)
-    dates = f"{when[0]:%Y-%m-%d} to {when[-1]:%Y-%m-%d}" if when else _NONE
+    days = sorted({f"{one.finished_at:%Y-%m-%d}" for one in rows}) or [_NONE]
+    dates = " to ".join(dict.fromkeys([days[0], days[-1]]))
+    missing = "" if len(whole) == len(tasks) else "; what is missing is missing below as well"
     return [
         Paragraph(
             "Table II of the paper, its learning curves, its pendulum experiments and its option "
@@ -84,8 +91,8 @@ def _about(
         ),
         Paragraph(command, is_code=True),
         Paragraph(
-            f"{len(whole)} of {len(tasks)} runs are done; what is missing is missing below as well."
-            f" Measured with {made_by}, {dates}, seeds from {seeds[0]} on, which no setting was "
+            f"{len(whole)} of {len(tasks)} runs are done{missing}. Measured with {made_by}, "
+            f"{dates}, seeds from {seeds[0]} on, which no setting was "
             f"chosen by. This report was written with Python {platform.python_version()}, "
             f"{versions}."
         ),
@@ -107,11 +114,11 @@ def _about(
     ]
 
 
-def _task(env: str, main: Sequence[Evaluation], tasks: Sequence[Task]) -> list[Part]:
-    along = _along(env, main)
+def _task(env: str, along: Along, tasks: Sequence[Task]) -> list[Part]:
     parts: list[Part] = []
     if curves := [
-        (learner, [s for s in found if s.decide_by in _MAIN]) for learner, found in along.items()
+        (learner, [s for s in found if s.decide_by in MAIN_WAYS])
+        for learner, found in along.items()
     ]:
         caption = f"{env}: mean return at each checkpoint, mean over seeds"
         parts.append(Picture(f"curves-{env}", caption, curves_drawing(env, curves)))
@@ -142,11 +149,11 @@ def _cells(
     told = (_NONE, _NONE) if published is None else (_say(published.best), _say(published.average))
     steps = [one.steps for one in found]
     last = {one.decide_by: one for one in found if one.steps == max(steps)}
-    one = next((last[way] for way in _MAIN if way in last), None)
+    one = next((last[way] for way in MAIN_WAYS if way in last), None)
     if one is None:
         return [TITLES[learner], told[0], _NONE, told[1], *[_NONE] * 3, f"0 of {wanted}", *[""] * 4]
     best, average = float(one.means.max()), float(one.means.mean())
-    other = next((number(s.means.mean()) for way, s in last.items() if way not in _MAIN), _NONE)
+    other = next((number(s.means.mean()) for way, s in last.items() if way not in MAIN_WAYS), _NONE)
     interval = "" if one.interval is None else " [{}, {}]".format(*map(number, one.interval))
     return [
         TITLES[learner],
@@ -160,7 +167,7 @@ def _cells(
         f"{one.steps:,}",
         f"{one.options:,.0f}",
         f"{one.cpu_s:,.0f}",
-        _reached([s for s in found if s.decide_by in _MAIN], AO2_SCORE[env]),
+        _reached([s for s in found if s.decide_by in MAIN_WAYS], AO2_SCORE[env]),
     ]
 
 
@@ -195,7 +202,7 @@ def _training(main: Sequence[Evaluation]) -> list[Part]:
     )
     caption = (
         f"AO2 paper on Pendulum while it learns: mean return of {EPISODES_A_POINT} episodes of 200 "
-        f"steps, {len(points)} seeds and their mean"
+        f"steps, {count(len(points), 'seed')} and their mean"
     )
     return [
         Paragraph(
@@ -208,7 +215,7 @@ def _training(main: Sequence[Evaluation]) -> list[Part]:
     ]
 
 
-def _behaviour(rows: Sequence[Evaluation], main: Sequence[Evaluation]) -> list[Part]:
+def _behaviour(rows: Sequence[Evaluation]) -> list[Part]:
     by_settings: dict[str, list[Evaluation]] = defaultdict(list)
     for one in rows:
         if not is_main(one.run) and one.decide_by is DecideBy.PATH:
@@ -279,19 +286,19 @@ def _sizes(main: Sequence[Evaluation]) -> list[Part]:
     ]
 
 
-def _every_seed(main: Sequence[Evaluation]) -> list[Part]:
+def _every_seed(tasks: Mapping[str, Along]) -> list[Part]:
     rows = []
-    for env in ENVS:
-        for learner, found in _along(env, main).items():
+    for env, along in tasks.items():
+        for learner, found in along.items():
             last = max(one.steps for one in found)
             ways = {one.decide_by: one for one in found if one.steps == last}
             other = {
                 each.run.seed: each
                 for way, one in ways.items()
-                if way not in _MAIN
+                if way not in MAIN_WAYS
                 for each in one.evaluations
             }
-            for way in _MAIN:
+            for way in MAIN_WAYS:
                 for each in ways[way].evaluations if way in ways else ():
                     beside = other.get(each.run.seed)
                     rows.append(
@@ -317,12 +324,10 @@ def _every_seed(main: Sequence[Evaluation]) -> list[Part]:
     ]  # fmt: skip
 
 
-def _along(env: str, main: Sequence[Evaluation]) -> dict[Learner, list[Summary]]:
+def _along(env: str, main: Sequence[Evaluation]) -> Along:
     """Each learner's checkpoints, in the order of the paper's table."""
     found = summarise(one for one in main if one.run.env == env)
-    by: dict[Learner, list[Summary]] = {
-        learner: [one for one in found if one.preset is learner] for learner in TITLES
-    }
+    by: Along = {learner: [one for one in found if one.preset is learner] for learner in TITLES}
     return {learner: summaries for learner, summaries in by.items() if summaries}
 
 

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 
 from ao2viz.baselines.algorithm import Algorithm
 from ao2viz.core.config import Preset
+from ao2viz.experiments.plan import Learner
 
 CARTPOLE, PENDULUM, ACROBOT = ENVS = ("CartPole-v0", "Pendulum-v1", "Acrobot-v1")
 """The paper's tasks; it says Pendulum-v0, the same task under a name that is gone."""
-
-Learner = Preset | Algorithm
 
 
 @dataclass(frozen=True)

@@ -22,8 +22,10 @@ from ao2viz.store.errors import AgentFileError, quote
 
 MANIFEST = "manifest.json"
 MAX_FILE_BYTES = 512 * 2**20
-MAX_ARRAY_BYTES = 512 * 2**20
-"""All arrays of one file together, as they are in memory."""
+MAX_ARRAY_BYTES = 2**30
+"""All arrays of one file together, as they are in memory: room for a million options."""
+MAX_STRANGE_BYTES = 512 * 2**20
+"""The same, of a file that somebody uploads."""
 MAX_MANIFEST_BYTES = 8 * 2**20
 MAX_MEMBERS = 30_000
 
@@ -143,7 +145,9 @@ class ArchiveWriter:
 class ArchiveReader:
     """Reads what `ArchiveWriter` wrote; every failure is an `AgentFileError`."""
 
-    def __init__(self, stream: IO[bytes]) -> None:
+    def __init__(self, stream: IO[bytes], most: int = MAX_ARRAY_BYTES) -> None:
+        """Opens an archive whose arrays need at most so many bytes of memory."""
+        self._most = most
         _check_directory(stream)
         try:
             self._zip = zipfile.ZipFile(stream)
@@ -191,10 +195,9 @@ class ArchiveReader:
                 f"named: {quote(extra[0])}."
             )
         total = sum(member.n_bytes for member in members.values())
-        if total > MAX_ARRAY_BYTES:
+        if total > self._most:
             raise AgentFileError(
-                f"Expected arrays of at most {MAX_ARRAY_BYTES:,} bytes in all, but these need "
-                f"{total:,}."
+                f"Expected arrays of at most {self._most:,} bytes in all, but these need {total:,}."
             )
         return {name: self._read_array(name, member) for name, member in members.items()}
 

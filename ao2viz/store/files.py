@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ao2viz.core.config import make_config
 from ao2viz.envs.motion import check_smoothing
 from ao2viz.recording.growth_log import PREFIX, GrowthLog
-from ao2viz.store.archive import ArchiveReader, ArchiveWriter
+from ao2viz.store.archive import MAX_STRANGE_BYTES, ArchiveReader, ArchiveWriter
 from ao2viz.store.episodes import episode_from_arrays, episode_to_arrays
 from ao2viz.store.errors import AgentFileError
 from ao2viz.store.manifest import Manifest, from_json, to_json
@@ -81,7 +81,7 @@ def keep(path: AnyPath, content: bytes) -> SavedAgent:
     """
     path = Path(path)
     try:
-        with ArchiveReader(io.BytesIO(content)) as archive:
+        with ArchiveReader(io.BytesIO(content), MAX_STRANGE_BYTES) as archive:
             saved = _read_from(archive)
     except AgentFileError as error:
         raise AgentFileError(f"Could not open {path.name!r}. {error}") from error

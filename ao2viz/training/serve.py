@@ -10,7 +10,9 @@ from ao2viz.training.worker import Worker
 MIN_INTERVAL_S = 0.1
 """Between two updates of a run; changes that people wait for are shown at once."""
 MAX_INTERVAL_S = 1.0
-"""However much an update costs: the first picture loads a library, and must not hide the next."""
+"""However much one update cost: the first picture loads a library, and must not hide the next."""
+LONGEST_S = 30.0
+"""However much all updates cost; a person must see that something goes on."""
 SHORTEST_S = 1 / 30
 """No screen needs updates more often; both intervals are those of the usual share of learning."""
 _BUDGET_S = 0.02  # The longest that a command waits while training.
@@ -24,7 +26,7 @@ class Pace:
 
     def __init__(self, learning_share: float = USUAL_LEARNING) -> None:
         self.learning_share = learning_share
-        self._cost_s = 0.0
+        self._costs: tuple[float, ...] = ()  # Of the latest two.
         self._last = -MAX_INTERVAL_S
 
     @property
@@ -33,8 +35,12 @@ class Pace:
         shown = 1.0 - self.learning_share
         factor = (1.0 - USUAL_LEARNING) / shown
         shortest = max(SHORTEST_S, MIN_INTERVAL_S * factor)
-        wanted = self._cost_s / shown
-        return min(max(shortest, MAX_INTERVAL_S * factor), max(shortest, wanted))
+        if not self._costs:
+            return shortest
+        # A single one that cost much may be an exception; two tell what they cost.
+        once = min(MAX_INTERVAL_S * factor, self._costs[-1] / shown)
+        wanted = max(once, min(LONGEST_S, min(self._costs) / shown)) if self._costs[1:] else once
+        return max(shortest, wanted)
 
     def is_due(self, now: float) -> bool:
         """Whether enough time has passed."""
@@ -42,7 +48,7 @@ class Pace:
 
     def note(self, began: float, ended: float) -> None:
         """Takes notice of an update that was made."""
-        self._last, self._cost_s = ended, ended - began
+        self._last, self._costs = ended, (*self._costs[-1:], ended - began)
 
 
 def serve(worker: Worker, receive: Receive, publish: Callable[[RunUpdate], None]) -> None:

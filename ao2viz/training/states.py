@@ -58,6 +58,13 @@ class RunEpisode:
 
 
 @dataclass(frozen=True)
+class TrainOn:
+    """Takes more steps with the agent of a run that has ended."""
+
+    more_steps: int
+
+
+@dataclass(frozen=True)
 class Stop:
     """Ends the run; the agent stays, to be looked at and saved."""
 
@@ -110,6 +117,7 @@ RunCommand = (
     | Pause
     | Step
     | RunEpisode
+    | TrainOn
     | Stop
     | Save
     | SetSpeed
@@ -117,6 +125,21 @@ RunCommand = (
     | SetDecideBy
     | ChangeSettings
 )
+
+IN_WORDS: Mapping[type[RunCommand], str] = {
+    Start: "start a run",
+    Resume: "resume",
+    Pause: "pause",
+    Step: "take a single step",
+    RunEpisode: "run an episode",
+    TrainOn: "train on",
+    Stop: "stop",
+    Save: "save",
+    SetSpeed: "change the speed",
+    SetShare: "change how much is shown",
+    SetDecideBy: "change who decides",
+    ChangeSettings: "change settings",
+}
 
 _HOLDS_AGENT = (RunStatus.RUNNING, RunStatus.PAUSED, RunStatus.FINISHED, RunStatus.FAILED)
 
@@ -131,6 +154,7 @@ TRANSITIONS: Mapping[tuple[RunStatus, type[RunCommand]], RunStatus] = {
     (RunStatus.PAUSED, Step): RunStatus.PAUSED,
     (RunStatus.PAUSED, RunEpisode): RunStatus.RUNNING,
     (RunStatus.FAILED, Resume): RunStatus.RUNNING,
+    (RunStatus.FINISHED, TrainOn): RunStatus.RUNNING,
     (RunStatus.RUNNING, Stop): RunStatus.FINISHED,
     (RunStatus.PAUSED, Stop): RunStatus.FINISHED,
     (RunStatus.PREPARING, Stop): RunStatus.IDLE,

@@ -11,7 +11,7 @@ from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.recording.cycle import Cycle
 from ao2viz.recording.episode import Episode
-from ao2viz.store.saved import Learned
+from ao2viz.store.saved import Learned, SavedAgent
 from ao2viz.training.states import USUAL_LEARNING, RunStatus
 
 
@@ -41,9 +41,14 @@ class RunUpdate:
     forest: ForestView | None = None
     decision: Decision | None = None  # The latest.
     frame: bytes | None = None  # JPEG of the environment after the latest step, if it draws.
-    learned: Learned | None = None  # All that it has learned, only while nothing runs.
+    saved: SavedAgent | None = None  # The agent as it would be saved, only while nothing runs.
     episode: Episode | None = None  # Latest recorded episode, only while nothing runs.
     cycle: Cycle | None = None  # The latest single step, until the run goes on.
+
+    @property
+    def learned(self) -> Learned | None:
+        """All that it has learned, only while nothing runs."""
+        return None if self.saved is None else self.saved.learned
 
     @property
     def decide_by(self) -> DecideBy:

@@ -15,6 +15,7 @@ from ao2viz.training.frames import draw
 from ao2viz.training.loop import Stepper, cycle_of
 from ao2viz.training.making import in_words, make_agent
 from ao2viz.training.states import (
+    IN_WORDS,
     MAX_LEARNING,
     MIN_LEARNING,
     TRANSITIONS,
@@ -32,25 +33,12 @@ from ao2viz.training.states import (
     Start,
     Step,
     Stop,
+    TrainOn,
 )
 from ao2viz.training.stopwatch import Stopwatch
 from ao2viz.training.throttle import Throttle
 from ao2viz.training.updates import RunUpdate
 from ao2viz.training.warmup import warm_up
-
-_WORDS: dict[type[RunCommand], str] = {
-    Start: "start a run",
-    Resume: "resume",
-    Pause: "pause",
-    Step: "take a single step",
-    RunEpisode: "run an episode",
-    Stop: "stop",
-    Save: "save",
-    SetSpeed: "change the speed",
-    SetShare: "change how much is shown",
-    SetDecideBy: "change who decides",
-    ChangeSettings: "change settings",
-}
 
 
 class Worker:
@@ -101,7 +89,7 @@ class Worker:
         target = TRANSITIONS.get((self._status, type(command)))
         if target is None:
             self._tell(
-                f"Cannot {_WORDS[type(command)]} while the run is {self._status.value}.",
+                f"Cannot {IN_WORDS[type(command)]} while the run is {self._status.value}.",
                 is_error=True,
             )
             return
@@ -123,6 +111,9 @@ class Worker:
                 self._tell(f"Decides by {command.decide_by.value} from now on.")
             case ChangeSettings():
                 self._change(command)
+            case TrainOn():
+                if not self._extend(command.more_steps):
+                    return
             case Stop():
                 self._stop()
             case Step():
@@ -189,7 +180,7 @@ class Worker:
             forest=agent.forest,
             decision=None if stepper.last is None else stepper.last.decision,
             frame=self._draw(),
-            learned=agent.to_saved().learned if holds else None,
+            saved=agent.to_saved() if holds else None,
             episode=stepper.episode() if holds else None,
             cycle=self._cycle if holds else None,
         )
@@ -295,6 +286,17 @@ class Worker:
         self._single_steps = 0
         agent.settle()
         self._tell(f"Stopped after {agent.num_timesteps:,} steps.")
+
+    def _extend(self, more_steps: int) -> bool:
+        if more_steps < 1:
+            self._tell(f"Expected at least one step to take, but got {more_steps}.", is_error=True)
+            return False
+        self._stepper = self._require_agent().stepper()  # From a fresh episode, as `learn` does.
+        self._first_step = self._n_steps
+        self._start = replace(self._start, total_steps=more_steps)
+        self._single_steps, self._pauses_at_end = 0, False
+        self._tell("")
+        return True
 
     def _fail(self, error: Exception) -> None:
         agent = self._require_agent()

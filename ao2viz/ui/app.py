@@ -15,9 +15,13 @@ from ao2viz import resources
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.envs.catalogue import CATALOGUE
+from ao2viz.exports.learner_curves import read_learner_curves
+from ao2viz.figures.behind import Behind
+from ao2viz.store.saved import SavedAgent
 from ao2viz.training.runner import ProcessRunner, Runner
 from ao2viz.training.states import RunCommand, RunStatus, Start
 from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.appearance import Remember
 from ao2viz.ui.branches import Brancher
 from ao2viz.ui.browser import Browser
 from ao2viz.ui.commands import Select
@@ -32,6 +36,7 @@ from ao2viz.ui.jobs import Begin
 from ao2viz.ui.library import Library
 from ao2viz.ui.places import open_place
 from ao2viz.ui.questions import CallOff
+from ao2viz.ui.recall import recall
 from ao2viz.ui.reduce import Effect, PickOption, advance, follow, reduce
 from ao2viz.ui.security import asked_query, make_server, make_token
 from ao2viz.ui.session import Form, Session, Wanted
@@ -63,6 +68,8 @@ class Dashboard:
         make_runner: Callable[[], Runner] = ProcessRunner,
         env_ids: tuple[str, ...] = tuple(CATALOGUE),
         wanted: Wanted | None = None,
+        curves: tuple[Behind, ...] | None = None,
+        saved: SavedAgent | None = None,
     ) -> None:
         """Makes a dashboard; nothing listens before `start`.
 
@@ -76,6 +83,8 @@ class Dashboard:
             make_runner: Makes what trains.
             env_ids: The environments offered by name.
             wanted: The episode and step that a page opens with, unless its address asks for more.
+            curves: Learners that can be laid behind a run; None: those of the paper's comparison.
+            saved: What `agent` holds, if it has been read; it need not be read again then.
         """
         self._host, self._wanted_port = host, port
         self._token = make_token() if host not in ("127.0.0.1", "localhost", "::1") else None
@@ -84,6 +93,8 @@ class Dashboard:
         extra = agent.resolve() if agent is not None else None
         shipped = shipped or resources.saved_schemas()
         self._library = Library(shipped, self._folder, extra, more_folders)
+        if extra is not None and saved is not None:
+            self._library.know(extra, saved)
         self._copies = Copies(self._folder)
         self._env_ids = env_ids
         self._wanted = wanted
@@ -96,7 +107,9 @@ class Dashboard:
         self._browsers: dict[int, Browser] = {}
         self._sessions: dict[int, Session] = {}
         folders = tuple(dict.fromkeys((self._folder, *more_folders)))
-        self._world = World(folder=self._folder, folders=folders, env_ids=env_ids)
+        if curves is None:
+            curves = read_learner_curves(resources.learner_curves())
+        self._world = World(folder=self._folder, folders=folders, env_ids=env_ids, curves=curves)
         self._relist_at = 0.0
         self._stopping = threading.Event()
         self._server: viser.ViserServer | None = None
@@ -185,6 +198,7 @@ class Dashboard:
                 self._sessions.pop(client_id, None)
                 self._inbox.forget(client_id)
             elif client_id in self._sessions:
+                self._browsers[client_id].rest.wake()
                 session, effects = reduce(self._sessions[client_id], command, self._world)
                 self._sessions[client_id] = session
                 for effect in effects:
@@ -199,6 +213,8 @@ class Dashboard:
             if session.dialog is Dialog.SETTINGS and session.form.may_be_made:
                 self._defaults.ask(session.form.env_id)
             try:
+                if not browser.needs_sync(session, self._world, now):
+                    continue
                 view = project(session, self._world)
                 browser.sync(view, self._gallery, self._frames, self._thinker)
             except Exception as error:  # One browser's trouble must not keep the others waiting.
@@ -260,6 +276,7 @@ class Dashboard:
         session = open_place(session, query, self._world.shelf)
         self._sessions[client_id] = session
         self._browsers[client_id] = Browser(client, self._stage, self._inbox)
+        recall(client, self._inbox)
 
     def _first_session(self) -> Session:
         update, shelf = self._world.update, self._world.shelf
@@ -280,6 +297,8 @@ class Dashboard:
                 self._browsers[client_id].notify(effect)
             case SaveFile():
                 self._browsers[client_id].hand_over(effect)
+            case Remember(text):
+                self._browsers[client_id].remember(text)
             case KeepUpload(upload):
                 self._library.keep(client_id, upload)
             case SendAgent(path):
@@ -337,6 +356,8 @@ def serve(
     folder: Path | None = None,
     more_folders: tuple[Path, ...] = (),
     wanted: Wanted | None = None,
+    curves: tuple[Behind, ...] | None = None,
+    saved: SavedAgent | None = None,
 ) -> None:
     """Serves the dashboard until Ctrl-C, and says in the terminal where and what.
 
@@ -348,6 +369,8 @@ def serve(
         folder: Where agents are saved; None: the working directory.
         more_folders: Further folders that people may choose to save to.
         wanted: The episode and step to open with.
+        curves: Learners that can be laid behind a run; None: those of the paper's comparison.
+        saved: What the file holds, if it has been read already.
 
     Raises:
         KeyboardInterrupt: On Ctrl-C, after everything was stopped.
@@ -359,6 +382,8 @@ def serve(
         folder=folder,
         more_folders=more_folders,
         wanted=wanted,
+        curves=curves,
+        saved=saved,
     )
     dashboard.start()
     try:

@@ -1,10 +1,18 @@
 """Everything on one browser's screen."""
 
+import time
+
 import viser
 
 from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.explain.ahead import Ahead
+from ao2viz.explain.telling import CHECKS
+from ao2viz.explain.why import Why
+from ao2viz.figures.palette import Theme
+from ao2viz.training.states import RunStatus
+from ao2viz.ui.asking import ahead_of, decision_then, faithful_of, novelty_of
 from ao2viz.ui.camera import Eye
+from ao2viz.ui.close_up import CloseUp, Focus
 from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.frames import FrameStore, refit
 from ao2viz.ui.gallery import Gallery, PictureKey
@@ -19,21 +27,30 @@ from ao2viz.ui.panels.control import ControlPanel
 from ao2viz.ui.panels.dialogs import DialogsPanel
 from ao2viz.ui.panels.export import ExportPanel
 from ao2viz.ui.panels.forest import ForestPanel
+from ao2viz.ui.panels.forget import ForgetPanel
 from ao2viz.ui.panels.inspect import InspectPanel
 from ao2viz.ui.panels.legend import LegendPanel
 from ao2viz.ui.panels.moments import MomentsPanel
+from ao2viz.ui.panels.page import PagePanel
 from ao2viz.ui.panels.past import PastPanel
 from ao2viz.ui.panels.watch import WatchPanel
 from ao2viz.ui.panels.what_if import WhatIfPanel
+from ao2viz.ui.panels.whole import WholePanel
 from ao2viz.ui.panels.why import WhyPanel
 from ao2viz.ui.picture import Picture
+from ao2viz.ui.recall import remember
+from ao2viz.ui.rest import Rest
 from ao2viz.ui.scene import Canvas
-from ao2viz.ui.stage import Stage
+from ao2viz.ui.session import Session
+from ao2viz.ui.stage import Stage, set_theme
 from ao2viz.ui.staging import at_stage
 from ao2viz.ui.supposing import Answer, Supposing
 from ao2viz.ui.thinker import Thinker
 from ao2viz.ui.view import View
-from ao2viz.ui.watched import learned_at
+from ao2viz.ui.world import World
+
+_WHY_CHECKS = (*CHECKS[Why], *CHECKS[Ahead])
+_PATIENCE_S = 1.5  # Longer than a browser takes to tell what it remembers.
 
 
 class Browser:
@@ -44,9 +61,13 @@ class Browser:
         gui, me = client.gui, client.client_id
         self.picture_key: PictureKey | None = None
         self._picture: Picture | None = None
+        self._focus = Focus()
+        self._close_up: CloseUp | None = None
         self._overlay: tuple[tuple[object, ...], Overlay | None] = ((), None)
         self._raw_frame: bytes | None = None
         self._then: Decision | None = None  # What a past agent would decide.
+        self._theme = Theme.DARK
+        self._came_at = time.monotonic()
         with client.atomic():
             self._control = ControlPanel(gui, me, inbox)
             with stage.watch:
@@ -61,47 +82,74 @@ class Browser:
                 self._past = PastPanel(gui, me, inbox)
             with stage.inspect:
                 self._inspect = InspectPanel(gui, me, inbox)
+            with stage.agent:
+                self._whole = WholePanel(gui, me, inbox)
             with stage.forest:
                 self._forest = ForestPanel(gui, me, inbox)
             with stage.charts:
                 self._charts = ChartsPanel(gui, me, inbox)
             with stage.what_if:
                 self._what_if = WhatIfPanel(gui, me, inbox)
+                self._forget = ForgetPanel(gui, me, inbox)
             with stage.compare:
                 self._compare = ComparePanel(gui, me, inbox)
             with stage.export:
                 self._export = ExportPanel(gui, me, inbox)
             self._legend = LegendPanel(gui, me, inbox)
             self._dialogs = DialogsPanel(gui, me, inbox)
+            self._page = PagePanel(gui, me, inbox)
         self._supposing = Supposing()
         self.jobs = Jobs()
+        self.rest = Rest()
+        self._is_waiting = False  # For an answer or a picture that is on its way.
         self._canvas = Canvas(client)
         self._eye = Eye(client.camera)
         on_canvas_click(client.scene, me, inbox)
 
+    def needs_sync(self, session: Session, world: World, now: float) -> bool:
+        """Whether what it shows may have changed since the last `sync`; `now` in seconds."""
+        camera = self._client.camera.update_timestamp
+        return self.rest.is_over(session, world, camera, is_waiting=self._is_waiting, now=now)
+
     def sync(self, view: View, gallery: Gallery, frames: FrameStore, thinker: Thinker) -> None:
         """Brings the screen up to date with the view."""
-        frame, problem = self._frame(view, frames)
-        ahead = _ahead_of(view, thinker)
-        asked = self._supposing.ask(view, thinker)
+        self._page.sync(view)
+        theme = view.appearance.shown_theme
+        if theme is not self._theme:
+            self._theme = theme
+            set_theme(self._client.gui, theme)
+            self._canvas.set_palette(theme.palette)
+            self._raw_frame = None
+        # Nothing big is made in one theme and at once again in another.
+        waited = time.monotonic() - self._came_at > _PATIENCE_S
+        is_ready = view.appearance.is_known or waited
+        frame, problem = self._frame(view, frames) if is_ready else (None, "")
+        # A mind as big as its forest takes long to make; what is seen comes before what is thought.
+        may_ask = view.forest is None or self._picture is not None
+        ahead = ahead_of(view, thinker) if may_ask else None
+        asked = self._supposing.ask(view, thinker) if may_ask else None
         self._what_if.sync(view, asked, self.jobs)
+        self._forget.sync(view, self.jobs)
         answer = asked if isinstance(asked, Answer) else None
         self._compare.sync(view, thinker, frames, self.jobs)
         file = self._export.sync(view, self.jobs)
         if file is not None:
             self.hand_over(file)
         self._watch.sync(view, frame)
-        self._why.sync(view, problem, ahead)
+        faithful = faithful_of(view, thinker, _WHY_CHECKS) if may_ask else None
+        novelty = novelty_of(view, thinker) if may_ask else None
+        self._why.sync(view, problem, ahead, faithful, novelty)
         self._moments.sync(view)
         self._branch.sync(view)
-        self._then = _decision_then(view, thinker)
+        self._then = decision_then(view, thinker) if may_ask else None
         self._past.sync(view, self._then)
         self._control.sync(view)
-        self._inspect.sync(view, thinker)
+        self._inspect.sync(view, thinker, self.jobs)
+        self._whole.sync(view, self.jobs)
         self._forest.sync(view)
         self.picture_key = None
         self._picture = None
-        if view.forest is not None and view.spec is not None:
+        if is_ready and view.forest is not None and view.spec is not None:
             key, back = view.forest_key, view.back
             if back is not None:
                 key = (f"past {key[0]}", *key[1:])
@@ -110,21 +158,38 @@ class Browser:
             else:
                 self._picture = gallery.get(key, view.forest, view.spec, view.look)
             self.picture_key = (key, view.look)
-        lens = self._eye.look()
-        self._legend.sync(view, self._picture)
-        self._canvas.sync(self._picture, self._overlay_of(view, ahead, answer), lens)
-        requests = Requests(view.fits, view.focuses, view.selection_focuses)
-        self._canvas.aim(requests, self._legend.size, lens)
+        if is_ready:
+            lens = self._eye.look()
+            drawn, decision = self._overlay_of(view, ahead, answer)
+            self._close_up = self._focus.get(
+                self._picture,
+                (view.selected, *([] if decision is None else decision.path[-1:].tolist())),
+                is_moving=_is_moving(view),
+            )
+            self._legend.sync(view, self._picture, self._close_up)
+            self._canvas.sync(self._picture, drawn, lens, self._close_up)
+            requests = Requests(view.fits, view.focuses, view.selection_focuses)
+            self._canvas.aim(requests, self._legend.size, lens)
         self._charts.sync(view)
         self._dialogs.sync(view)
+        work = (gallery, frames, thinker, self.jobs, self._canvas)
+        self._is_waiting = not is_ready or any(each.is_busy for each in work)
 
     def pick(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> int:
         """The option under a click; NO_OPTION if there is none."""
-        return NO_OPTION if self._picture is None else self._picture.pick(origin, direction)
+        if self._picture is None:
+            return NO_OPTION
+        close_up = self._close_up
+        beside = close_up.options if close_up is not None else None
+        return self._picture.pick(origin, direction, beside)
 
     def hand_over(self, file: SaveFile) -> None:
         """Lets the browser save a file."""
         self._client.send_file_download(file.name, file.content, save_immediately=True)
+
+    def remember(self, text: str) -> None:
+        """Lets the browser keep this for its next visit."""
+        remember(self._client, text)
 
     def notify(self, notice: Notify) -> None:
         """Pops up a message. Viser shows it as text, so it needs no escaping."""
@@ -140,13 +205,16 @@ class Browser:
             if view.frame is self._raw_frame:
                 return None, ""
             self._raw_frame = view.frame
-            return refit(view.frame), ""
+            return refit(view.frame, self._theme), ""
         self._raw_frame = None
         if view.episode is None or view.spec is None:
             return None, ""
-        return frames.get(view.episode, view.spec, view.transport.position)
+        return frames.get(view.episode, view.spec, view.transport.position, self._theme)
 
-    def _overlay_of(self, view: View, ahead: Ahead | None, answer: Answer | None) -> Overlay | None:
+    def _overlay_of(
+        self, view: View, ahead: Ahead | None, answer: Answer | None
+    ) -> tuple[Overlay | None, Decision | None]:
+        """What lies over the forest, and the decision that it shows."""
         moment = Moment(view.decision, view.selected, view.seen, ahead)
         forest = view.forest
         if view.back is not None:
@@ -170,33 +238,18 @@ class Browser:
             a is b or (isinstance(a, int) and a == b)
             for a, b in zip(inputs, self._overlay[0], strict=True)
         ):
-            return self._overlay[1]
+            return self._overlay[1], moment.decision
         drawn = None
         if self._picture is not None and view.spec is not None and forest is not None:
             drawn = overlay(moment, self._picture, forest, view.spec)
             if walk is not None:
                 drawn = at_stage(drawn, walk, self._picture)
         self._overlay = (inputs, drawn)
-        return drawn
+        return drawn, moment.decision
 
 
-def _decision_then(view: View, thinker: Thinker) -> Decision | None:
-    """What the past agent that is shown would decide at the state of the replay."""
-    back = view.back
-    if back is None or back.moment.snapshot is None:
-        return None
-    if view.observation is None or view.config is None:
-        return None
-    learned = learned_at(back.past, back.moment.snapshot, view.config)
-    answer = thinker.decision(learned, view.observation)
-    return answer if isinstance(answer, Decision) else None
-
-
-def _ahead_of(view: View, thinker: Thinker) -> Ahead | None:
-    """Where the agent expects to go from what is seen, as far as that is known by now."""
-    if not view.shows_ahead or view.walk is not None:
-        return None
-    if view.learned is None or view.decision is None:
-        return None
-    answer = thinker.ahead(view.learned, view.decision.observation)
-    return answer if isinstance(answer, Ahead) else None
+def _is_moving(view: View) -> bool:
+    """Whether another decision will be shown in a moment."""
+    if view.source is None and view.run.status is RunStatus.RUNNING:
+        return True
+    return view.transport.is_enabled and view.transport.is_playing

@@ -7,9 +7,17 @@ from pathlib import Path
 from ao2viz.core.decision import DecideBy
 from ao2viz.figures.charts import Over
 from ao2viz.figures.coloring import Coloring
+from ao2viz.ui.appearance import AppearanceCommand
 from ao2viz.ui.dialog_commands import DialogCommand, NextStage
 from ao2viz.ui.look import Arrangement
-from ao2viz.ui.questions import CallOff, CompareCommand, ExportCommand, WhatIfCommand
+from ao2viz.ui.questions import (
+    CallOff,
+    CompareCommand,
+    ExportCommand,
+    LearnAgainCommand,
+    WhatIfCommand,
+    WholeCommand,
+)
 from ao2viz.ui.replay_commands import ReplayCommand, ShowLink
 
 
@@ -27,6 +35,7 @@ class RunButton(Enum):
     """The buttons that act on the training run, which all browsers share."""
 
     START = "start"
+    TRAIN_ON = "train on"
     PAUSE = "pause or go on"
     STEP = "one step"
     EPISODE = "one episode"
@@ -40,6 +49,7 @@ class Table(Enum):
     TRAINING = "training episodes"
     EPISODE = "steps of this episode"
     OPTION = "weights of the selected option"
+    LEARNERS = "learning curves of the paper's learners"
 
 
 class Way(Enum):
@@ -207,6 +217,14 @@ class ChooseSmoothing:
 
 
 @dataclass(frozen=True)
+class LayBehind:
+    """Draws a learner of the paper's comparison behind the returns, or no longer."""
+
+    learner: str | None = None  # None: all of the task that is watched.
+    is_laid: bool | None = None  # None: the other way round.
+
+
+@dataclass(frozen=True)
 class Download:
     """Sends a table as CSV."""
 
@@ -285,6 +303,8 @@ Command = (
     | WhatIfCommand
     | CompareCommand
     | ExportCommand
+    | LearnAgainCommand
+    | WholeCommand
     | CallOff
     | Fit
     | FocusPath
@@ -297,6 +317,7 @@ Command = (
     | FoldAll
     | ChooseOver
     | ChooseSmoothing
+    | LayBehind
     | Download
     | TidyUp
     | Edit
@@ -304,6 +325,7 @@ Command = (
     | ConfirmOverwrite
     | SetTrainingSpeed
     | ChooseDecideBy
+    | AppearanceCommand
     | DialogCommand
     | NextStage
 )

@@ -6,6 +6,8 @@ from typing import assert_never
 
 from ao2viz.core.config import Config
 from ao2viz.training.states import ChangeSettings, RunStatus, SetShare, accepts
+from ao2viz.ui.appearance import DismissHint, Remember
+from ao2viz.ui.appearing import appear
 from ao2viz.ui.dialog_commands import (
     ApplySettings,
     ChooseFolder,
@@ -25,7 +27,7 @@ from ao2viz.ui.settings import find_changes
 from ao2viz.ui.shelf import ShelfEffect, answer_upload, send_agent, take_upload
 from ao2viz.ui.world import World
 
-Effect = ShelfEffect | ChangeSettings | SetShare
+Effect = Remember | ShelfEffect | ChangeSettings | SetShare
 
 
 def attend(
@@ -37,6 +39,8 @@ def attend(
             is_open = session.dialog is dialog
             return replace(session, dialog=None if is_open else dialog), ()
         case CloseDialog():
+            if session.dialog is None and not session.appearance.hint_is_gone:
+                return appear(session, DismissHint())
             return replace(session, dialog=None), ()
         case EditSetting(name, text):
             return replace(session, form=_type(session.form, name, text)), ()

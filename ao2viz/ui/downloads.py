@@ -6,7 +6,9 @@ from typing import assert_never
 
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.exports.curves import write_history_csv, write_margins_csv, write_weights_csv
+from ao2viz.exports.learner_curves import write_learner_curves_csv
 from ao2viz.ui.commands import Table
+from ao2viz.ui.learners import learners_of
 from ao2viz.ui.session import Session
 from ao2viz.ui.watched import agent_of, episode_of, forest_of, history_of, spec_of
 from ao2viz.ui.world import World
@@ -33,6 +35,8 @@ class SaveFile:
 def tables_of(session: Session, world: World) -> frozenset[Table]:
     """The tables that there are now."""
     found = set()
+    if learners_of(session, world).known:
+        found.add(Table.LEARNERS)
     if len(history_of(session, world)):
         found.add(Table.TRAINING)
     episode, forest = episode_of(session, world), forest_of(session, world)
@@ -67,6 +71,10 @@ def make_table(table: Table, session: Session, world: World) -> SaveFile | Notif
             assert session.selected != NO_OPTION
             write_weights_csv(session.selected, forest, spec, stream)
             name = f"option-{session.selected}"
+        case Table.LEARNERS:
+            learners = learners_of(session, world)
+            write_learner_curves_csv(learners.laid or learners.known, stream)
+            name = "learners"
         case _:
             assert_never(table)
     return SaveFile(f"{stem_of(session, world)}-{name}.csv", stream.getvalue())

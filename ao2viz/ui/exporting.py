@@ -6,17 +6,18 @@ import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import assert_never
+from typing import NamedTuple, assert_never
 
+from ao2viz.core.decision import NO_OPTION
 from ao2viz.exports.export import export
 from ao2viz.exports.formats import ABOUT, Format, Scope, scopes_of
 from ao2viz.store.saved import SavedAgent
 from ao2viz.ui.downloads import Notify, SaveFile, stem_of
-from ao2viz.ui.jobs import Begin
-from ao2viz.ui.questions import ChooseFormat, ChooseScope, ExportCommand, Task
+from ao2viz.ui.jobs import Begin, CalledOffError
+from ao2viz.ui.questions import ChooseFormat, ChooseScope, ExportCommand, ExportOption, Task
 from ao2viz.ui.questions import Export as ExportNow
 from ao2viz.ui.session import Session
-from ao2viz.ui.watched import agent_of, episode_of
+from ao2viz.ui.watched import agent_at_rest, episode_of, forest_of
 from ao2viz.ui.world import World
 
 MOST_BYTES = 100_000_000
@@ -24,10 +25,6 @@ MOST_BYTES = 100_000_000
 
 SUBJECT = ("export",)
 """An export goes on whatever is watched meanwhile."""
-
-
-class CalledOffError(ValueError):
-    """Ends an export in the middle; nothing of it is left."""
 
 
 @dataclass(frozen=True)
@@ -48,14 +45,29 @@ def export_of(session: Session, world: World) -> Export:
 
 
 def _problem(session: Session, world: World, scope: Scope) -> str:
-    if session.source is None:
-        return "A run is exported from its file: save it, then choose the file under Watch."
-    if agent_of(session, world) is None:
+    if agent_at_rest(session, world) is None:
+        if session.source is None and world.update.forest is not None:
+            return "Hold the run to export its agent as it is then."
         return "There is no agent to export yet."
+    if scope is Scope.AGENT:
+        return ""
+    if scope is Scope.OPTION:
+        forest = forest_of(session, world)
+        chosen = session.selected
+        if forest is None or chosen == NO_OPTION:
+            return "Select an option first: click one on the canvas, or see Inspect."
+        if chosen >= len(forest.is_alive) or not forest.is_alive[chosen]:
+            return f"Option {chosen} was cleansed; there is nothing of it to export."
+        return ""
+    if session.branch is not None:
+        return (
+            "This is a branch, in which you chose an action. What is exported is what the agent "
+            "did: go back to the main line."
+        )
     episode = episode_of(session, world)
-    if scope is not Scope.AGENT and episode is None:
+    if episode is None:
         return "This agent has no recorded episode. Record one: ao2viz record FILE."
-    if scope is Scope.MOMENT and episode is not None and session.position >= len(episode):
+    if scope is Scope.MOMENT and session.position >= len(episode):
         return "The episode has ended here; step back to a moment with a decision."
     return ""
 
@@ -69,31 +81,43 @@ def take_away(
             return replace(session, export=format), ()
         case ChooseScope(scope):
             return replace(session, scope=scope), ()
+        case ExportOption():
+            return take_away(replace(session, export=Format.OPTION), ExportNow(), world)
         case ExportNow():
-            chosen, agent = export_of(session, world), agent_of(session, world)
+            chosen, agent = export_of(session, world), agent_at_rest(session, world)
             if chosen.problem or agent is None:
                 return session, (Notify("Cannot export", chosen.problem, is_error=True),)
-            of_all = chosen.scope is Scope.AGENT
+            of_all = chosen.scope in (Scope.AGENT, Scope.OPTION)
             episode = None if of_all else min(session.episode, len(agent.episodes) - 1)
             step = int(session.position) if chosen.scope is Scope.MOMENT else None
-            name = f"{stem_of(session, world)}{_tail(chosen.format, episode, step)}"
-            return session, (
-                Begin(Task.EXPORT, SUBJECT, _write(agent, chosen, name, episode, step)),
-            )
+            option = session.selected if chosen.scope is Scope.OPTION else None
+            part = _Part(episode, step, option)
+            name = f"{stem_of(session, world)}{_tail(chosen.format, part)}"
+            return session, (Begin(Task.EXPORT, SUBJECT, _write(agent, chosen, name, part)),)
         case _:
             assert_never(command)
 
 
-def _tail(format: Format, episode: int | None, step: int | None) -> str:
+class _Part(NamedTuple):
+    """Which part of an agent; None where it is all."""
+
+    episode: int | None
+    step: int | None
+    option: int | None
+
+
+def _tail(format: Format, part: _Part) -> str:
     suffix = ABOUT[format].suffix
-    place = "" if episode is None else f"-episode-{episode + 1}"
-    place += "" if step is None else f"-step-{step}"
+    if part.option is not None:
+        return f"-option-{part.option}{suffix}"
+    place = "" if part.episode is None else f"-episode-{part.episode + 1}"
+    place += "" if part.step is None else f"-step-{part.step}"
     kind = "" if suffix == f".{format.value}" else f"-{format.value}"
     return f"{place}{kind}{suffix or '.zip'}"
 
 
 def _write(
-    agent: SavedAgent, chosen: Export, name: str, episode: int | None, step: int | None
+    agent: SavedAgent, chosen: Export, name: str, part: _Part
 ) -> Callable[[Callable[[float], bool]], SaveFile]:
     def work(report: Callable[[float], bool]) -> SaveFile:
         def progress(share: float) -> None:
@@ -102,7 +126,7 @@ def _write(
 
         with tempfile.TemporaryDirectory(prefix="ao2viz-") as folder:
             path = Path(folder) / f"export{ABOUT[chosen.format].suffix}"
-            export(agent, path, chosen.format, episode=episode, step=step, progress=progress)
+            export(agent, path, chosen.format, **part._asdict(), progress=progress)
             parts = sorted(part for part in [path, *path.rglob("*")] if part.is_file())
             size = sum(part.stat().st_size for part in parts)
             if size > MOST_BYTES:

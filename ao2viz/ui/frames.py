@@ -7,9 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, ImageDraw
 
 from ao2viz.envs.task import TaskSpec
+from ao2viz.figures.palette import Theme
 from ao2viz.recording.episode import Episode
 from ao2viz.training.replay import replay_pictures
 
@@ -19,6 +20,7 @@ SIZE = (420, 280)
 _QUALITY = 82
 _KEPT_EPISODES = 6
 _PANEL = np.array([26, 29, 36])  # The background of the dock that holds the picture.
+_BOARDS = {Theme.DARK: (26, 29, 36), Theme.LIGHT: (255, 255, 255)}
 # [3, 256] black becomes the panel's colour, white stays.
 _ONTO_PANEL = np.linspace(_PANEL, 255, 256).round().astype(np.uint8).T
 
@@ -28,27 +30,36 @@ class _Reel:
     """The pictures of one episode; the thread appends, the app loop reads."""
 
     episode: Episode  # Held so that its id stays its own.
+    theme: Theme
     frames: list[bytes] = field(default_factory=list)
     problem: str = ""
     is_wanted: bool = True
+    is_done: bool = False
 
 
 class FrameStore:
     """Draws episodes in a thread of its own and keeps the pictures of the latest few."""
 
     def __init__(self) -> None:
-        self._reels: OrderedDict[int, _Reel] = OrderedDict()
+        self._reels: OrderedDict[tuple[int, Theme], _Reel] = OrderedDict()
         self._thread = ThreadPoolExecutor(1, "pictures")
 
-    def get(self, episode: Episode, spec: TaskSpec, position: int) -> tuple[bytes | None, str]:
+    @property
+    def is_busy(self) -> bool:
+        """Whether pictures are on their way."""
+        return any(not reel.is_done for reel in self._reels.values())
+
+    def get(
+        self, episode: Episode, spec: TaskSpec, position: int, theme: Theme = Theme.DARK
+    ) -> tuple[bytes | None, str]:
         """The JPEG at this step, or None with a reason (empty while it is being drawn)."""
-        reel = self._reels.get(id(episode))
+        reel = self._reels.get((id(episode), theme))
         if reel is None:
-            reel = self._reels[id(episode)] = _Reel(episode)
+            reel = self._reels[id(episode), theme] = _Reel(episode, theme)
             self._thread.submit(_draw_reel, reel, spec)
             while len(self._reels) > _KEPT_EPISODES:
                 self._reels.popitem(last=False)[1].is_wanted = False
-        self._reels.move_to_end(id(episode))
+        self._reels.move_to_end((id(episode), theme))
         if position < len(reel.frames):
             return reel.frames[position], ""
         return None, reel.problem
@@ -60,13 +71,13 @@ class FrameStore:
         self._thread.shutdown(wait=True, cancel_futures=True)
 
 
-def refit(jpeg: bytes) -> bytes:
+def refit(jpeg: bytes, theme: Theme = Theme.DARK) -> bytes:
     """A picture that arrives as JPEG, fitted to the dock like all others."""
     with Image.open(io.BytesIO(jpeg)) as image:
-        return encode(np.asarray(image.convert("RGB")))
+        return encode(np.asarray(image.convert("RGB")), theme)
 
 
-def encode(pixels: NDArray[np.uint8]) -> bytes:
+def encode(pixels: NDArray[np.uint8], theme: Theme = Theme.DARK) -> bytes:
     """A picture [height, width, 3] as a JPEG of SIZE that suits the dock.
 
     All come out equally big, so that nothing below them moves when another one is shown.
@@ -76,12 +87,16 @@ def encode(pixels: NDArray[np.uint8]) -> bytes:
     fitted = round(image.width * scale), round(image.height * scale)
     image = image.resize(fitted, Image.Resampling.BILINEAR)
     shown = np.asarray(image)
-    if _is_page(shown):
+    if theme is Theme.DARK and _is_page(shown):
         image = Image.fromarray(_turn_dark(shown))
-    board = Image.new("RGB", SIZE, tuple(_PANEL.tolist()))
+    board = Image.new("RGB", SIZE, _BOARDS[theme])
     board.paste(image, ((SIZE[0] - fitted[0]) // 2, (SIZE[1] - fitted[1]) // 2))
+    return _to_jpeg(board)
+
+
+def _to_jpeg(image: Image.Image) -> bytes:
     buffer = io.BytesIO()
-    board.save(buffer, "JPEG", quality=_QUALITY)
+    image.save(buffer, "JPEG", quality=_QUALITY)
     return buffer.getvalue()
 
 
@@ -105,11 +120,24 @@ def _draw_reel(reel: _Reel, spec: TaskSpec) -> None:
         for pixels in replay_pictures(reel.episode, spec):
             if not reel.is_wanted:
                 return
-            reel.frames.append(encode(pixels))
+            reel.frames.append(encode(pixels, reel.theme))
     except Exception as error:  # Whatever a stranger's environment raises is shown in words.
         reel.problem = f"No picture: {error}"
+    reel.is_done = True
 
 
-BLANK = np.full((280, 420, 3), _PANEL.astype(np.uint8), np.uint8)
+BLANK = np.full((SIZE[1], SIZE[0], 3), _PANEL.astype(np.uint8), np.uint8)
 """Stands where a picture will be; as big as most, so that nothing jumps."""
-BLANK_JPEG = encode(BLANK)
+
+
+def _blank(theme: Theme) -> bytes:
+    """What stands there until a picture is drawn, and where none can be."""
+    board = Image.new("RGB", SIZE, _BOARDS[theme])
+    middle = (SIZE[0] / 2, SIZE[1] / 2)
+    ImageDraw.Draw(board).text(
+        middle, "no picture yet", theme.palette.dim, anchor="mm", font_size=20
+    )
+    return _to_jpeg(board)
+
+
+BLANK_JPEGS = {theme: _blank(theme) for theme in Theme}

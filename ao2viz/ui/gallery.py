@@ -24,6 +24,8 @@ _GLIDE_LIMIT = 6_000  # … unless it is so big that sending every moment of it 
 # A growing forest is laid out again only after this many times as long as the last time took, so
 # that the screen stays quick however big the forest is.
 _REST = 5.0
+_ASIDE = _GLIDE_LIMIT
+"""Forests with more options are laid out in a thread, so that nobody's screen waits for it."""
 
 _GroundKey = tuple[ForestKey, tuple[int, ...]]  # Of a forest: () its discs, else its axes.
 PictureKey = tuple[ForestKey, Look]
@@ -61,41 +63,73 @@ class Gallery:
         self._glides: dict[ForestKey, _Glide] = {}
         self._drawn: dict[PictureKey, tuple[tuple[object, ...], Picture]] = {}
         self._agreement = _AgreementStore()
+        self._thread: ThreadPoolExecutor | None = None
+        self._coming: dict[_GroundKey, Future[_Laid]] = {}
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether a picture is about to change by itself."""
+        return bool(self._glides or self._coming) or self._agreement.is_busy
 
     def get(
         self, key: ForestKey, view: ForestView, spec: TaskSpec, look: Look | None = None
-    ) -> Picture:
-        """The picture of a forest as it is now, or a moment ago if it grows fast."""
+    ) -> Picture | None:
+        """The picture of a forest as it is now, or a moment ago if it is big or grows fast.
+
+        None: it is being laid out for the first time.
+        """
         look = look if look is not None else Look()
         began = self._clock()
-        ground_key = (key, () if look.arrangement.is_of_discs else look.axes)
-        laid = self._laid.get(ground_key)
-        if laid is None or (laid.view is not view and began >= laid.rest_until):
-            ground = self._lay(key, view, look, laid)
-            ended = self._clock()
-            laid = _Laid(ground, view, ended + _REST * (ended - began))
-            self._laid[ground_key] = laid
+        laid = self._laid_out(key, view, look)
+        if laid is None:
+            return None
         agreement = None
         if look.coloring is Coloring.AGREEMENT:
             agreement = self._agreement.get(key, laid.view)
         picture = self._draw((key, look), laid, spec, agreement)
-        return self._glide(key, picture, began)
+        return picture if look.is_still else self._glide(key, picture, began)
 
     def get_past(
         self, key: ForestKey, past: Past, view: ForestView, spec: TaskSpec, look: Look
-    ) -> Picture:
-        """The picture of a past moment; every option stands where it stands at every moment."""
-        ground_key = (key, () if look.arrangement.is_of_discs else look.axes)
-        laid = self._laid.get(ground_key)
-        if laid is None or laid.view is not past.ever:
-            ground = self._lay(key, past.ever, look, None)
-            laid = self._laid[ground_key] = _Laid(ground, past.ever, np.inf)
+    ) -> Picture | None:
+        """The picture of a past moment; every option stands where it stands at every moment.
+
+        None: all that ever was is being laid out for the first time.
+        """
+        laid = self._laid_out(key, past.ever, look)
+        if laid is None:
+            return None
         known = self._drawn.get((key, look))
         if known is not None and known[0][0] is view and known[0][1] is laid:
             return known[1]
         picture = draw(view, laid.ground, spec, look)
         self._drawn[(key, look)] = ((view, laid), picture)
         return picture
+
+    def _laid_out(self, key: ForestKey, view: ForestView, look: Look) -> _Laid | None:
+        """The newest ground of a forest; None while there is none."""
+        ground_key = (key, () if look.arrangement.is_of_discs else look.axes)
+        coming = self._coming.get(ground_key)
+        if coming is not None and coming.done():
+            del self._coming[ground_key]
+            self._laid[ground_key] = coming.result()
+        laid = self._laid.get(ground_key)
+        if laid is not None and (laid.view is view or self._clock() < laid.rest_until):
+            return laid
+        if len(view.parents) <= _ASIDE:
+            laid = self._laid[ground_key] = self._lay_out(key, view, look, laid)
+        elif ground_key not in self._coming:
+            if self._thread is None:
+                self._thread = ThreadPoolExecutor(1, "layout")
+            work = self._thread.submit(self._lay_out, key, view, look, laid)
+            self._coming[ground_key] = work
+        return laid
+
+    def _lay_out(self, key: ForestKey, view: ForestView, look: Look, laid: _Laid | None) -> _Laid:
+        began = self._clock()
+        ground = self._lay(key, view, look, laid)
+        ended = self._clock()
+        return _Laid(ground, view, ended + _REST * (ended - began))
 
     def _draw(
         self,
@@ -152,10 +186,14 @@ class Gallery:
         self._drawn = {k: v for k, v in self._drawn.items() if k in kept}
         self._laid = {k: v for k, v in self._laid.items() if k[0] in forests}
         self._glides = {k: v for k, v in self._glides.items() if k in forests}
+        for gone in [k for k in self._coming if k[0] not in forests]:
+            self._coming.pop(gone).cancel()
         self._agreement.keep_only(forests)
 
     def close(self) -> None:
         """Ends what still works in the background."""
+        if self._thread is not None:
+            self._thread.shutdown(wait=True, cancel_futures=True)
         self._agreement.close()
 
 
@@ -182,6 +220,11 @@ class _AgreementStore:
                 self._thread = ThreadPoolExecutor(1, "agreement")
             self._coming[key] = (view, self._thread.submit(find_agreement, view))
         return known[1] if known is not None else None
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether an answer is on its way."""
+        return bool(self._coming)
 
     def keep_only(self, keys: set[ForestKey]) -> None:
         """Forgets forests that nobody looks at."""

@@ -8,9 +8,10 @@ from numpy.typing import NDArray
 from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness, tell_faithfulness
 from ao2viz.explain.sentence import PathStep, explain, path_steps
 from ao2viz.explain.words import amounts, count, number, percent, told_apart
-from ao2viz.figures.palette import UNTRIED, action_colors, to_hex
+from ao2viz.figures.palette import DARK, LIGHT, action_colors, to_css
 
 _SHOWN_GAPS = 2
 _LONGEST_PATH = 12  # Longer ones lose their middle.
@@ -42,6 +43,17 @@ def notice(text: str, *, is_error: bool = False) -> str:
     return f'<div class="ao ao-decision"><p class="{kind}">{esc(text)}</p></div>'
 
 
+def faithful(told: Faithfulness | None, *, is_learning: bool = False) -> str:
+    """How often such explanations agree with the agent; while it learns, when that is counted."""
+    if told is not None:
+        words = tell_faithfulness(told)
+    elif is_learning:
+        words = "Faithfulness is counted when the run is held: until then the agent changes."
+    else:
+        return ""
+    return f'<div class="ao"><p class="ao-dim">{esc(words)}</p></div>'
+
+
 def supposing() -> str:
     """Stands over what was recorded while the forest shows something else."""
     return (
@@ -54,7 +66,7 @@ def decision(shown: Decision, spec: TaskSpec, view: ForestView | None) -> str:
     """What was done and why."""
     said = explain(shown, spec, view)
     marks = "".join(f'<span class="ao-mark">{esc(m)}</span>' for m in said.marks)
-    color = to_hex(colors_of(spec)[shown.action])
+    color = colors_of(spec)[shown.action]
     return (
         f'<div class="ao ao-decision"><h3><span class="ao-swatch" style="background:{color}">'
         f"</span>{esc(said.headline)}</h3>{marks}<p>{esc(said.reason)}</p></div>"
@@ -75,7 +87,7 @@ def path(shown: Decision, spec: TaskSpec, view: ForestView | None) -> str:
                 items.append(f"<li class='ao-gone'>{count(hidden, 'option')} between</li>")
             continue
         items.append(_path_item(step, i, colors, view))
-    last = f'<li class="ao-end" style="--ao-dot:{to_hex(colors[shown.action])}">'
+    last = f'<li class="ao-end" style="--ao-dot:{colors[shown.action]}">'
     items.append(f"{last}<b>{esc(spec.action_names[shown.action])}</b></li>")
     return (
         f'<div class="ao"><h4>Path to the most similar option</h4>'
@@ -83,7 +95,7 @@ def path(shown: Decision, spec: TaskSpec, view: ForestView | None) -> str:
     )
 
 
-def _path_item(step: PathStep, i: int, colors: NDArray[np.uint8], view: ForestView | None) -> str:
+def _path_item(step: PathStep, i: int, colors: list[str], view: ForestView | None) -> str:
     word = "root" if i == 0 else "option"
     is_known = view is not None and 0 <= step.option < len(view.parents)
     if not is_known or view is None or not view.is_alive[step.option]:
@@ -162,7 +174,7 @@ def _action_bars(chosen: int, view: ForestView, spec: TaskSpec) -> str:
         bars.append(
             f'<div class="ao-between"><span>{name}</span><span class="ao-num">'
             f'{told[i]} <span class="ao-dim">· {tries}</span></span></div>'
-            f'<span class="ao-bar"><span style="width:{width:.0f}%;background:{to_hex(color)}">'
+            f'<span class="ao-bar"><span style="width:{width:.0f}%;background:{color}">'
             "</span></span>"
         )
     return "".join(bars)
@@ -176,12 +188,17 @@ def related(chosen: int, view: ForestView, spec: TaskSpec) -> str:
     return f"{chosen} · {spec.action_names[best]} {number(float(view.weights[chosen, best]))}"
 
 
-def _dot(option: int, colors: NDArray[np.uint8], view: ForestView) -> str:
+def _dot(option: int, colors: list[str], view: ForestView) -> str:
     if not view.visits[option].any():
-        return to_hex(UNTRIED)
-    return to_hex(colors[int(view.best_actions[option])])
+        return to_css(DARK.untried, LIGHT.untried)
+    return colors[int(view.best_actions[option])]
 
 
-def colors_of(spec: TaskSpec) -> NDArray[np.uint8]:
-    """[A, 3] the colour of each action."""
-    return action_colors(spec.n_actions, is_ordered=spec.action_grid is not None)
+def colors_of(spec: TaskSpec) -> list[str]:
+    """The colour of each action, on dark and on light pages."""
+    is_ordered = spec.action_grid is not None
+    dark, light = (
+        action_colors(spec.n_actions, is_ordered=is_ordered, palette=palette)
+        for palette in (DARK, LIGHT)
+    )
+    return [to_css(*both) for both in zip(dark, light, strict=True)]

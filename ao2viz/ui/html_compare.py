@@ -9,7 +9,6 @@ from ao2viz.envs.task import TaskSpec
 from ao2viz.experiments.duel import Beside, Duel, Returns
 from ao2viz.explain.compare import Setting, tell_forests
 from ao2viz.explain.words import amounts, count, number, percent
-from ao2viz.figures.palette import to_hex
 from ao2viz.ui.html import colors_of, esc
 from ao2viz.ui.jobs import JobState
 
@@ -36,7 +35,7 @@ def at_this_step(here: Decision | None, there: Decision | None, spec: TaskSpec) 
 
 
 def _action(decision: Decision, spec: TaskSpec) -> str:
-    color = to_hex(colors_of(spec)[decision.action])
+    color = colors_of(spec)[decision.action]
     swatch = f'<span class="ao-swatch" style="background:{color}"></span>'
     return f"{swatch}{esc(spec.action_names[decision.action])}"
 

@@ -7,10 +7,11 @@ from ao2viz.core.config import Config
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.moments import MomentKind, course_of
 from ao2viz.explain.words import count, number
-from ao2viz.figures.palette import ACTIONS, PATH, to_hex
+from ao2viz.figures.palette import DARK, LIGHT, to_css
 from ao2viz.recording.episode import Episode
 from ao2viz.ui.html import esc
 
+_COLORS = [to_css(*both) for both in zip(DARK.actions, LIGHT.actions, strict=True)]
 CHART_PX = 150
 """Height of the chart; the cursor is as tall."""
 
@@ -21,11 +22,17 @@ _OUTLIERS = 98.0  # Percentile; what is greater stands at the rim.
 
 _BELOW = _MARGIN_END + 6
 _MARKS: tuple[tuple[MomentKind, str, str, tuple[float, float], str], ...] = (
-    (MomentKind.LOW_MARGIN, "below", "#f0b429", (_MARGIN_END, _MARGIN_END + 5), ""),
-    (MomentKind.EXPLORED, "above", to_hex(ACTIONS[4]), (_TOP - 7, _TOP - 1), "3 2"),
-    (MomentKind.CREATED, "below", to_hex(ACTIONS[2]), (_BELOW, _BELOW + 5), ""),
-    (MomentKind.UNSEEN, "above", to_hex(PATH), (_TOP - 7, _TOP - 1), ""),
-    (MomentKind.REWARD_DROP, "at the bottom", to_hex(ACTIONS[5]), (_REWARD_END + 1, CHART_PX), ""),
+    (
+        MomentKind.LOW_MARGIN,
+        "below",
+        to_css(DARK.warn, LIGHT.warn),
+        (_MARGIN_END, _MARGIN_END + 5),
+        "",
+    ),
+    (MomentKind.EXPLORED, "above", _COLORS[4], (_TOP - 7, _TOP - 1), "3 2"),
+    (MomentKind.CREATED, "below", _COLORS[2], (_BELOW, _BELOW + 5), ""),
+    (MomentKind.UNSEEN, "above", to_css(DARK.path, LIGHT.path), (_TOP - 7, _TOP - 1), ""),
+    (MomentKind.REWARD_DROP, "at the bottom", _COLORS[5], (_REWARD_END + 1, CHART_PX), ""),
 )
 
 
@@ -41,9 +48,9 @@ def episode_chart(
     low = min(0.0, max(float(margins.min()), -high))
     last = max(1, len(episode))
     lines = [
-        _line(np.clip(margins, low, high), (low, high), (_MARGIN_END, _TOP), last, ACTIONS[0]),
+        _line(np.clip(margins, low, high), (low, high), (_MARGIN_END, _TOP), last, _COLORS[0]),
         _line(
-            episode.rewards, _ends(episode.rewards), (_REWARD_END, _REWARD_TOP), last, ACTIONS[2]
+            episode.rewards, _ends(episode.rewards), (_REWARD_END, _REWARD_TOP), last, _COLORS[2]
         ),
         *(
             _ticks(course.flags[kind], last, rows, color, dash)
@@ -56,14 +63,13 @@ def episode_chart(
     ]
     told = f"Margin and reward of {count(len(episode), 'step')}; {'; '.join(facts)}."
     marks = [
-        _mark(f"{kind.value}, {where}", color, int(course.flags[kind].sum()))
+        _tick(f"{kind.value}, {where} ({int(course.flags[kind].sum())})", color)
         for kind, where, color, _, _ in _MARKS
         if course.flags[kind].any()
     ]
     return (
-        f'<div class="ao ao-episode"><div class="ao-between ao-gaps"><span style="color:'
-        f'{to_hex(ACTIONS[0])}">{esc(facts[0])}</span><span style="color:{to_hex(ACTIONS[2])}">'
-        f'{esc(facts[1])}</span></div><svg role="img" aria-label="{esc(told)}" viewBox="0 0 '
+        f'<div class="ao ao-episode"><div class="ao-between">{_tick(facts[0], _COLORS[0])}'
+        f'{_tick(facts[1], _COLORS[2])}</div><svg role="img" aria-label="{esc(told)}" viewBox="0 0 '
         f'{_WIDTH:g} {CHART_PX}" preserveAspectRatio="none" height="{CHART_PX}" width="100%">'
         f'<line x1="0" x2="{_WIDTH:g}" y1="{_MARGIN_END:g}" y2="{_MARGIN_END:g}" class="ao-axis"/>'
         f"{''.join(lines)}</svg>{''.join(marks)}</div>"
@@ -97,7 +103,7 @@ def _line(
     ends: tuple[float, float],
     rows: tuple[float, float],
     last: int,
-    color: tuple[int, int, int],
+    color: str,
 ) -> str:
     """A line whose low end stands at the first row, in the columns that there are."""
     low, high = ends
@@ -110,7 +116,7 @@ def _line(
             points.append(f"{column},{rows[0] + (rows[1] - rows[0]) * share:.1f}")
     if len(points) == 1:
         points.append(points[0].replace(points[0].split(",")[0], f"{_WIDTH:g}", 1))
-    return f'<polyline points="{" ".join(points)}" class="ao-line" stroke="{to_hex(color)}"/>'
+    return f'<polyline points="{" ".join(points)}" class="ao-line" style="stroke:{color}"/>'
 
 
 def _ticks(
@@ -119,13 +125,12 @@ def _ticks(
     columns = np.unique((np.flatnonzero(where) * _WIDTH / last).astype(np.int64))
     path = "".join(f"M{column} {rows[0]:g}V{rows[1]:g}" for column in columns)
     dashes = f' stroke-dasharray="{dash}"' if dash else ""
-    return f'<path d="{path}" class="ao-line" stroke="{color}"{dashes}/>' if path else ""
+    return f'<path d="{path}" class="ao-line" style="stroke:{color}"{dashes}/>' if path else ""
 
 
-def _mark(words: str, color: str, n: int) -> str:
+def _tick(words: str, color: str) -> str:
     return (
-        f'<span class="ao-gaps ao-tick"><span style="background:{color}"></span>'
-        f"{esc(words)} ({n})</span>"
+        f'<span class="ao-gaps ao-tick"><span style="background:{color}"></span>{esc(words)}</span>'
     )
 
 

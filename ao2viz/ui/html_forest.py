@@ -1,13 +1,12 @@
 """What stands beside the canvas in HTML: the legend. Escaping as in `html`."""
 
-import numpy as np
-
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.words import count
-from ao2viz.figures.coloring import NEIGHBOURS, Coloring
-from ao2viz.figures.palette import RAMP, UNTRIED, to_hex
+from ao2viz.figures.coloring import MOST_COMPARED, NEIGHBOURS, Coloring
+from ao2viz.figures.palette import DARK, LIGHT, to_css
+from ao2viz.ui.detail import Detail
 from ao2viz.ui.html import colors_of, esc
 from ao2viz.ui.look import Arrangement, Look
 from ao2viz.ui.picture import Picture
@@ -15,6 +14,8 @@ from ao2viz.ui.picture import Picture
 GREY = "has tried nothing yet"
 """What an option without a colour tells."""
 
+_ACTIVE = "the schemas that the path and the selected option belong to"
+_NO_FOREST = "No forest yet. Start grows one; Watch or the Library opens one."
 _MOST_SWATCHES = 9
 _LINE_PX = 17.5
 _AROUND_PX = 74.0  # The bar above, the buttons and the padding.
@@ -36,11 +37,20 @@ def legend(
     look: Look,
     picture: Picture | None,
     grey: str = GREY,
+    left_out: int = 0,
 ) -> str:
-    """What the colours, sizes and lines of the canvas mean; `grey` is what that colour tells."""
-    if spec is None or view is None or picture is None:
-        return '<div class="ao-legend ao-dim">No forest yet.</div>'
-    return f'<div class="ao-legend">{"".join(_rows(spec, view, look, picture, grey))}</div>'
+    """What the colours, sizes and lines of the canvas mean.
+
+    `grey` is what that colour tells; for so many options of the active schemas, `left_out`, there
+    was no room.
+    """
+    if spec is None or view is None:
+        return f'<div class="ao-legend">{_NO_FOREST}</div>'
+    if picture is None:
+        words = f"Arranging {count(len(view), 'option')} …"
+        return f'<div class="ao-legend ao-dim">{words}</div>'
+    rows = _rows(spec, view, look, picture, grey, left_out)
+    return f'<div class="ao-legend">{"".join(rows)}</div>'
 
 
 def legend_size(
@@ -49,13 +59,20 @@ def legend_size(
     """Width and height in pixels of the panel with the legend, rather too big than too small."""
     if spec is None or view is None or picture is None:
         return _WIDTH_PX, _AROUND_PX + _LINE_PX
-    height = _AROUND_PX + _LINE_PX * len(_rows(spec, view, look, picture, GREY))
+    height = _AROUND_PX + _LINE_PX * len(_rows(spec, view, look, picture, GREY, 1))
     if look.coloring is not Coloring.ACTION:
         height += _RAMP_PX + _LINE_PX * (len(_told(look)) // _LETTERS)
     return _WIDTH_PX, height
 
 
-def _rows(spec: TaskSpec, view: ForestView, look: Look, picture: Picture, grey: str) -> list[str]:
+def _rows(
+    spec: TaskSpec,
+    view: ForestView,
+    look: Look,
+    picture: Picture,
+    grey: str,
+    left_out: int,
+) -> list[str]:
     roots = int(((view.parents == NO_OPTION) & view.is_alive).sum())
     rows = [
         f"<b>{esc(spec.title)}</b>",
@@ -64,12 +81,15 @@ def _rows(spec: TaskSpec, view: ForestView, look: Look, picture: Picture, grey: 
     ]
     if picture.n_hidden:
         rows.append(f'<div class="ao-warn">{count(picture.n_hidden, "option")} hidden</div>')
+    rows += _detail_rows(picture, left_out)
     rows += _color_rows(spec, look, picture, grey)
+    if look.coloring is Coloring.AGREEMENT and len(view) > MOST_COMPARED:
+        rows.append(f'<div class="ao-warn">not told above {MOST_COMPARED:,} options</div>')
     if view.visits.any():
         rows.append('<div class="ao-dim">bigger: visited more often</div>')
     if look.arrangement is Arrangement.CONES:
         rows.append('<div class="ao-dim">higher: nearer to its root</div>')
-    if len(picture.folded):
+    if len(picture.folded) and picture.detail is not Detail.ROOTS:
         rows.append('<div class="ao-dim">biggest: a root that stands for its schema</div>')
     rows.append(_key("path", "path to the most similar option"))
     if look.arrangement is Arrangement.STATE_SPACE:
@@ -77,6 +97,23 @@ def _rows(spec: TaskSpec, view: ForestView, look: Look, picture: Picture, grey: 
     rows.append(_key("ahead", "where it expects to go"))
     rows.append(_key("vote", "paths of other voters, by share"))
     rows.append(_key("ring", "selected (click any option)"))
+    return rows
+
+
+def _detail_rows(picture: Picture, left_out: int) -> list[str]:
+    """What is not drawn, or not in full, because there is too much of it."""
+    match picture.detail:
+        case Detail.FULL:
+            return []
+        case Detail.DOTS:
+            rows = ['<div class="ao-warn">so many are dots of one size</div>']
+        case Detail.ROOTS:
+            rows = [
+                '<div class="ao-warn">too many to draw: roots only</div>',
+            ]
+    rows.append(f'<div class="ao-dim" title="{_ACTIVE}">in full: the active schemas</div>')
+    if left_out:
+        rows.append(f'<div class="ao-dim">but {left_out:,} of their options</div>')
     return rows
 
 
@@ -88,15 +125,15 @@ def _place_word(look: Look, roots: int) -> str:
 
 
 def _color_rows(spec: TaskSpec, look: Look, picture: Picture, told: str) -> list[str]:
-    grey = _swatch(to_hex(UNTRIED), told)
+    grey = _swatch(to_css(DARK.untried, LIGHT.untried), told)
     marks = picture.shades.marks
     if marks is None:
         named = list(zip(colors_of(spec), spec.action_names, strict=True))
-        rows = [_swatch(to_hex(c), f"prefers {name}") for c, name in named[:_MOST_SWATCHES]]
+        rows = [_swatch(c, f"prefers {name}") for c, name in named[:_MOST_SWATCHES]]
         if len(named) > _MOST_SWATCHES:
             rows.append(f'<div class="ao-dim">and {len(named) - _MOST_SWATCHES} more</div>')
         return [*rows, grey]
-    stops = ", ".join(to_hex(np.array(rgb, np.uint8)) for rgb in RAMP)
+    stops = ", ".join(to_css(*both) for both in zip(DARK.ramp, LIGHT.ramp, strict=True))
     said = "".join(f"<span>{esc(mark)}</span>" for mark in marks)
     ramp = (
         f"<div>{esc(_told(look))}</div>"

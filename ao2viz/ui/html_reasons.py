@@ -1,8 +1,15 @@
 """Where a weight comes from and where a decision leads, as HTML; escaping as in `html`."""
 
+import numpy as np
+
+from ao2viz.core.decision import Decision
+from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
 from ao2viz.explain.ahead import Ahead, AheadEnd
+from ao2viz.explain.contrast import explain_why_not, tell_why_not
 from ao2viz.explain.origin import End, Origin
+from ao2viz.explain.whole import Novelty
+from ao2viz.explain.whole_telling import tell_novelty
 from ao2viz.explain.words import amounts, count, number, percent
 from ao2viz.ui.html import esc
 
@@ -60,6 +67,32 @@ def _story(origin: Origin, spec: TaskSpec) -> str:
         rows.append(f"<tr><td></td><td>{len(steps) - _SHOWN_STEPS} more</td><td></td></tr>")
     head = "<tr><th></th><th>each time</th><th>known from</th></tr>"
     return f'<table class="ao-story">{head}{"".join(rows)}</table>'
+
+
+def why_nots(decision: Decision, spec: TaskSpec, view: ForestView) -> str:
+    """What stood against each of the other actions, the strongest of them first; to be opened."""
+    others = np.argsort(-decision.action_values, kind="stable").tolist()
+    told = []
+    for other in others:
+        if other == decision.action:
+            continue
+        why_not = explain_why_not(decision, other, view)
+        # An action drawn at random may have been expected to earn less than another.
+        word = "less" if why_not.advantage >= 0 else "more"
+        name = f"{spec.action_names[other]}: {number(abs(why_not.advantage))} {word} expected of it"
+        told.append(
+            f"<details><summary>{esc(name)}</summary>"
+            f"<p>{esc(tell_why_not(why_not, spec))}</p></details>"
+        )
+    if not told:
+        return ""
+    return f'<div class="ao"><h4>Why not another action</h4>{"".join(told)}</div>'
+
+
+def novelty(told: Novelty) -> str:
+    """Whether the agent has met anything like what is seen; the alarm stands out."""
+    kind = "ao-warn" if told.is_alarm else "ao-dim"
+    return f'<div class="ao"><p class="{kind}">{esc(tell_novelty(told))}</p></div>'
 
 
 def end_words(end: End) -> str:

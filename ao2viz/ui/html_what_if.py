@@ -5,13 +5,12 @@ from numpy.typing import NDArray
 
 from ao2viz.envs.catalogue import Feature
 from ao2viz.envs.task import TaskSpec
-from ao2viz.explain.faithful import Faithfulness
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.flips import FeatureFlips, Flip, FlipKind, Flips
 from ao2viz.explain.nearest import NearestFlip, tell_nearest
-from ao2viz.explain.what_if import tell_certificate
-from ao2viz.explain.whole_telling import tell_faithfulness
+from ao2viz.explain.what_if import tell_certainty
 from ao2viz.explain.words import amount, count, percent
-from ao2viz.ui.html import esc
+from ao2viz.ui.html import esc, faithful
 from ao2viz.ui.jobs import JobState
 from ao2viz.ui.what_if import NEAREST_TIME_S
 
@@ -56,16 +55,10 @@ def certainty(
     flips: Flips, faithfulness: Faithfulness | None, attention: NDArray[np.float64], spec: TaskSpec
 ) -> str:
     """What is certain around here, and how often such explanations proved right."""
-    told = [f"<p>{esc(tell_certificate(flips.certificate, attention, spec))}</p>"]
+    told = [f"<p>{esc(tell_certainty(flips, attention, spec))}</p>"]
     if any(_is_new(both) for both in flips.features):
         told.append('<p class="ao-dim">A flip marked * lies beyond all that the agent has met.</p>')
-    if faithfulness is not None:
-        tried = faithfulness.parts.tried
-        told.append(
-            f'<p class="ao-dim">Tried on {count(tried, "recorded decision")}. '
-            f"{esc(tell_faithfulness(faithfulness))}</p>"
-        )
-    return f'<div class="ao"><h4>How sure</h4>{"".join(told)}</div>'
+    return f'<div class="ao"><h4>How sure</h4>{"".join(told)}</div>{faithful(faithfulness)}'
 
 
 def _is_new(both: FeatureFlips) -> bool:

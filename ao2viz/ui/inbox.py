@@ -59,6 +59,10 @@ class Inbox:
         """Remembers what can be asked by key or from the palette."""
         self._keys.setdefault(client_id, []).append(handle)
 
+    def drop_key(self, client_id: int, handle: viser.CommandHandle) -> None:
+        """Forgets what has been taken out of the palette."""
+        self._keys[client_id].remove(handle)
+
     def keys_of(self, client_id: int) -> tuple[Key, ...]:
         """Everything in the palette of a browser, in the order it was made."""
         return tuple(

@@ -9,6 +9,10 @@ from ao2viz.explain.background import Background
 from ao2viz.ui.questions import Task
 
 
+class CalledOffError(ValueError):
+    """Ends work in the middle where nothing comes of it."""
+
+
 @dataclass(frozen=True, eq=False)
 class Begin:
     """Asks for work; the same kind of work that is under way is called off."""
@@ -35,6 +39,11 @@ class Jobs:
         self._clock = clock
         self._jobs: dict[Task, tuple[Begin, Background[Any], float]] = {}
         self._ended: dict[Task, JobState] = {}
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether something is at work, or its end has not been looked at."""
+        return len(self._ended) < len(self._jobs)
 
     def begin(self, begin: Begin) -> None:
         """Starts work in a thread of its own."""

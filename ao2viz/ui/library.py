@@ -71,6 +71,11 @@ class Library:
             self._env_ids[path] = known
         return known[1]
 
+    def know(self, path: Path, saved: SavedAgent) -> None:
+        """Takes over a file that somebody else has just read."""
+        self._stamps[path] = _stamp(path)
+        self._opening[path] = self._thread.submit(_prepare, saved)
+
     def open(self, path: Path) -> None:
         """Begins to read a file unless it is open already."""
         if path not in self._opened and path not in self._opening:
@@ -130,7 +135,10 @@ def _stamp(path: Path) -> Stamp:
 
 
 def _read(path: Path) -> SavedAgent:
-    saved = read(path)
+    return _prepare(read(path))
+
+
+def _prepare(saved: SavedAgent) -> SavedAgent:
     saved.forest_view()  # Cached: whatever is wrong with it shows up here, off the app loop.
     return saved
 

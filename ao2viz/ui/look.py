@@ -5,6 +5,7 @@ from enum import Enum
 
 from ao2viz.figures.charts import SMOOTH_EPISODES, Over
 from ao2viz.figures.coloring import Coloring
+from ao2viz.figures.palette import Theme
 
 
 class Arrangement(Enum):
@@ -28,6 +29,8 @@ class Look:
     coloring: Coloring = Coloring.ACTION
     axes: tuple[int, ...] = ()  # Two or three features; () before any were chosen: the first.
     deepest: int | None = None  # Options further below their root are hidden; None: none are.
+    theme: Theme = Theme.DARK
+    is_still: bool = False  # Nothing glides.
     folded: frozenset[int] = frozenset()  # Roots of schemas of which only the root is shown.
 
     def axes_for(self, n_features: int) -> tuple[int, ...]:
@@ -49,6 +52,7 @@ class ChartLook:
 
     over: Over = Over.STEPS
     smoothing: int = SMOOTH_EPISODES  # Episodes in the running mean.
+    behind: frozenset[str] = frozenset()  # Learners of the paper's comparison, by name.
 
 
 @dataclass(frozen=True)

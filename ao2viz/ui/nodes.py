@@ -50,6 +50,8 @@ def _ball() -> Mesh:
 CIRCLE, BIG_CIRCLE, RING, BALL = _circle(16), _circle(96), _circle(40, 0.78), _ball()
 DIAMOND = _circle(4)
 
+_DOT = 0.8  # Across; options are at least 1 apart.
+
 
 def add_batch(
     scene: viser.SceneApi, name: str, mesh: Mesh, capacity: int, color: Rgb
@@ -110,3 +112,39 @@ def paint(handle: viser.BatchedMeshHandle, colors: NDArray[np.uint8]) -> None:
     padded = np.zeros((len(handle.batched_positions), 3), np.uint8)
     padded[: len(colors)] = colors
     handle.batched_colors = to_albedo(padded)
+
+
+def dye(handle: viser.BatchedMeshHandle, color: Rgb) -> None:
+    """Gives all instances one colour, as it is to be seen."""
+    capacity = len(handle.batched_positions)
+    handle.batched_colors = np.tile(to_albedo(np.array(color, np.uint8)), (capacity, 1))
+
+
+def add_dots(scene: viser.SceneApi, name: str, capacity: int) -> viser.PointCloudHandle:
+    """A node of so many dots of one size; none is seen yet."""
+    return scene.add_point_cloud(
+        name,
+        np.zeros((capacity, 3), np.float32),
+        np.zeros((capacity, 3), np.uint8),
+        point_size=_DOT,
+        point_shape="circle",
+        point_shading="flat",
+        precision="float32",
+        visible=False,
+    )
+
+
+def place_dots(
+    handle: viser.PointCloudHandle, points: NDArray, colors: NDArray[np.uint8], height: float
+) -> None:
+    """Shows dots at points [M, 3], raised by a height, in these colours [M, 3]; at most all."""
+    handle.visible = len(points) > 0
+    if len(points) == 0:
+        return
+    # Dots that are not needed hide behind the first: all that are sent together stay as many.
+    rows = np.arange(len(handle.points))
+    rows[len(points) :] = 0
+    raised = points[rows].astype(np.float32)
+    raised[:, 2] += height
+    handle.points = raised
+    handle.colors = colors[rows]

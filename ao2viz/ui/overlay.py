@@ -13,6 +13,7 @@ from ao2viz.explain.ahead import Ahead, AheadEnd
 from ao2viz.explain.words import count, number
 from ao2viz.layout.labels import Side
 from ao2viz.layout.state_space import Axes, find_ticks
+from ao2viz.ui.detail import Detail
 from ao2viz.ui.picture import Picture
 
 SHARE_LEVELS = 3
@@ -81,7 +82,9 @@ def overlay(moment: Moment, picture: Picture, view: ForestView, spec: TaskSpec) 
     trail, axes = np.empty((0, 2, 3), np.float32), np.empty((0, 2, 3), np.float32)
     schema = trail
     if picture.axes is not None:
-        schema = _active_schema(moment, path, picture, view)
+        # Where not all is drawn in full, the close-up has the lines of the active schemas.
+        is_full = picture.detail is Detail.FULL
+        schema = trail if not is_full else _active_schema(moment, path, picture, view)
         axes = _axis_lines(picture.axes, spec)
         if moment.seen is not None and len(moment.seen):
             came = picture.axes.place(moment.seen[-_TRAIL:]).astype(np.float32)

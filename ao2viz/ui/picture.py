@@ -12,6 +12,7 @@ from ao2viz.figures.coloring import Shades, shade
 from ao2viz.layout.cones import find_heights
 from ao2viz.layout.discs import Layout, schemas_of
 from ao2viz.layout.state_space import Axes
+from ao2viz.ui.detail import Detail, choose_roots, detail_for
 from ao2viz.ui.look import Arrangement, Look
 
 Ground = Layout | Axes
@@ -21,6 +22,9 @@ _PICK_RADIUS = 1.2  # Clicks this close to an option count; options are at least
 _FOLDED_SIZE = 1.15  # The root that stands for a whole schema is this big.
 _BALL_ROOM = 1.5
 _BALL_GROWTH = 1.4  # Seen from farther away than a dot from above.
+_SYMBOL = 1 / 300  # A root that stands for a schema is so big, seen from afar: of the whole.
+_MOST_BALLS = 5_000  # To hold a picture with depth; more options are held by cells of a grid, …
+_FINE_CELLS = 40  # … so many along each axis.
 _CELLS = 14  # Along each axis, to tell which parts of the state space are empty.
 
 
@@ -29,16 +33,21 @@ class Picture:
     """What is drawn of a forest; `N` counts options, cleansed and hidden ones have size 0."""
 
     ground: Ground
+    detail: Detail
+    drawn: NDArray[np.int64]  # [M] ids that have a shape or a dot, in order of age.
+    drawn_sizes: NDArray[np.float32]  # [M] radii of these; roots that stand for more are bigger.
     is_flat: bool  # All on the plane z = 0, to be seen from above.
     positions: NDArray[np.float32]  # [N, 3] also of hidden options; 0 where cleansed.
     stands: NDArray[np.bool_]  # [N] has a place, drawn or not.
     shades: Shades
     sizes: NDArray[np.float32]  # [N] radii.
+    parents: NDArray[np.int64]  # [N] NO_OPTION at a root.
+    depths: NDArray[np.int64]  # [N] 0 at a root.
     edges: NDArray[np.float32]  # [E, 2, 3] from parent to child; none in the state space.
     edge_ends: NDArray[np.int64]  # [E, 2] their ids.
     schemas: NDArray[np.int64]  # [N] the root of each option.
     folded: NDArray[np.int64]  # [F] roots that stand for their whole schema.
-    n_hidden: int  # Living options that are not drawn.
+    n_hidden: int  # Living options that a person does not want to see.
     outline: NDArray[np.float64]  # [K, 4] balls x, y, z, radius that hold what is drawn.
 
     @property
@@ -64,21 +73,33 @@ class Picture:
             return self.positions[option]
         return None
 
-    def pick(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> int:
-        """The drawn option that a ray from the camera meets; NO_OPTION if it meets none."""
+    def pick(
+        self,
+        origin: tuple[float, ...],
+        direction: tuple[float, ...],
+        beside: NDArray[np.int64] | None = None,
+    ) -> int:
+        """The option that a ray from the camera meets; NO_OPTION if it meets none.
+
+        `beside` are ids that are drawn over the picture.
+        """
         if len(origin) != 3 or len(direction) != 3:
             return NO_OPTION
         ray = np.array([origin, direction], np.float64)
         length = float(np.linalg.norm(ray[1]))
-        if not np.isfinite(ray).all() or length == 0 or len(self.sizes) == 0:
+        if not np.isfinite(ray).all() or length == 0 or len(self.drawn) == 0:
             return NO_OPTION
         along = ray[1] / length
-        toward = self.positions - ray[0]
+        options, sizes = self.drawn, self.drawn_sizes
+        if beside is not None:
+            options, sizes = np.r_[beside, options], np.r_[self.sizes[beside], sizes]
+        toward = self.positions[options] - ray[0]
         ahead = toward @ along
         gaps = np.linalg.norm(toward - ahead[:, None] * along, axis=1)
-        gaps[(self.sizes == 0) | (ahead <= 0)] = np.inf
+        gaps[(sizes == 0) | (ahead <= 0)] = np.inf
         near = int(np.argmin(gaps))
-        return near if gaps[near] <= max(_PICK_RADIUS, self.sizes[near]) else NO_OPTION
+        is_met = gaps[near] <= max(_PICK_RADIUS, sizes[near])
+        return int(options[near]) if is_met else NO_OPTION
 
     def edges_of_schema(self, schema: int, view: ForestView) -> NDArray[np.float32]:
         """[E, 2, 3] all edges of one schema, wherever its options stand."""
@@ -113,23 +134,38 @@ def draw(
     sizes = np.where(shown, np.clip(0.24 + 0.045 * np.log2(1 + visits), 0, 0.46), 0)
     sizes *= 1.0 if look.is_flat else _BALL_GROWTH
     sizes[folded] = _FOLDED_SIZE
+    sizes = sizes.astype(np.float32)
     edge_ends = np.empty((0, 2), np.int64)
-    if isinstance(ground, Layout):
+    n_wanted = int(np.count_nonzero(shown))
+    detail = detail_for(n_wanted)
+    outline = _outline(ground, positions, stands)
+    drawn, drawn_sizes = np.arange(n), sizes
+    if detail is Detail.ROOTS:
+        drawn = choose_roots(np.flatnonzero(shown & is_root), schemas, shown)
+        ends = outline[:, :3] + outline[:, 3:], outline[:, :3] - outline[:, 3:]
+        symbol = float((ends[0].max(axis=0) - ends[1].min(axis=0)).max()) * _SYMBOL
+        drawn_sizes = np.full(len(drawn), max(_FOLDED_SIZE, symbol), np.float32)
+    if isinstance(ground, Layout) and detail is Detail.FULL:
         children = np.flatnonzero(shown & ~is_root)
         edge_ends = np.column_stack([view.parents[children], children])
     return Picture(
         ground=ground,
+        detail=detail,
+        drawn=drawn,
+        drawn_sizes=drawn_sizes,
         is_flat=look.is_flat,
         positions=positions,
         stands=stands,
-        shades=shade(view, spec, look.coloring, agreement),
-        sizes=sizes.astype(np.float32),
+        shades=shade(view, spec, look.coloring, agreement, look.theme.palette),
+        sizes=sizes,
+        parents=view.parents[:n],
+        depths=view.depths[:n],
         edges=np.stack([positions[edge_ends[:, 0]], positions[edge_ends[:, 1]]], axis=1),
         edge_ends=edge_ends,
         schemas=schemas,
         folded=folded,
-        n_hidden=int(np.count_nonzero(view.is_alive)) - int(np.count_nonzero(shown)),
-        outline=_outline(ground, positions, stands),
+        n_hidden=int(np.count_nonzero(view.is_alive)) - n_wanted,
+        outline=outline,
     )
 
 
@@ -157,15 +193,30 @@ def _outline(
         if not positions[:, 2].any():
             flat = np.zeros(len(ground.radii))
             return np.column_stack([ground.centres, flat, ground.radii])
-        return np.column_stack([positions[stands], np.full(int(stands.sum()), _BALL_ROOM)])
+        points = positions[stands].astype(np.float64)
+        if len(points) > _MOST_BALLS:
+            low, high = points.min(axis=0), points.max(axis=0)
+            middles, cell = _cells(points, low, high, _FINE_CELLS)
+            half = float(np.linalg.norm(cell)) / 2
+            return np.column_stack([middles, np.full(len(middles), half + _BALL_ROOM)])
+        return np.column_stack([points, np.full(len(points), _BALL_ROOM)])
     # The cells of the box that hold options, and the ends of the axes with room for words.
     low, high = ground.box
-    size = np.maximum(high - low, 1e-9)
-    cells = np.unique(((positions[stands] - low) / size * _CELLS).astype(np.int64), axis=0)
-    middles = low + (cells + 0.5) * size / _CELLS * (size > 1e-6)
-    radius = float(size.max()) / _CELLS
+    middles, cell = _cells(positions[stands], low, high, _CELLS)
+    radius = float(cell.max())
     corners = np.array([[low[0], low[1]], [high[0], low[1]], [low[0], high[1]]])
     ends = np.column_stack([corners, np.full(3, low[2]), np.full(3, 1.2 * radius)])
     top = np.array([[low[0], low[1], high[2], 1.2 * radius]])
     inner = np.column_stack([middles, np.full(len(middles), radius)])
     return np.concatenate([inner, ends, top])
+
+
+def _cells(
+    points: NDArray, low: NDArray[np.float64], high: NDArray[np.float64], count: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """The middles [K, 3] of the cells of a box that hold points [M, 3], and a cell's size [3]."""
+    size = np.maximum(high - low, 1e-9)
+    steps = ((points - low) / size * count).astype(np.int64)
+    numbers = np.unique(steps @ np.array([1, 4096, 4096**2]))
+    cells = np.column_stack([numbers % 4096, numbers // 4096 % 4096, numbers // 4096**2])
+    return low + (cells + 0.5) * size / count * (size > 1e-6), size / count

@@ -17,6 +17,10 @@ class Task(Enum):
     BESIDE = "comparison"
     DUEL = "episodes from the same seed"
     EXPORT = "export"
+    FORGET = "learning again without an episode"
+    LEDGER = "learning again for a ledger"
+    WHOLE = "look at the whole agent"
+    MUTE = "episodes without an option"
 
 
 @dataclass(frozen=True)
@@ -90,6 +94,56 @@ class Export:
 
 
 @dataclass(frozen=True)
+class ExportOption:
+    """Writes all that is known of the selected option, for the browser to save."""
+
+
+@dataclass(frozen=True)
+class ChooseForgotten:
+    """Which training episode to learn again without; counted from 0."""
+
+    episode: int
+
+
+@dataclass(frozen=True)
+class Forget:
+    """Learns again without the chosen training episode, and asks what would be otherwise."""
+
+
+@dataclass(frozen=True)
+class KeepLedger:
+    """Learns again, and writes down every reward in the weight that is open."""
+
+
+@dataclass(frozen=True)
+class LookAtWhole:
+    """Shows what is known of the whole agent that is watched; counts it first, if so asked."""
+
+    begins: bool
+
+
+@dataclass(frozen=True)
+class ChooseMuted:
+    """How many of the options that decide most often to play without, one at a time."""
+
+    options: int
+
+
+@dataclass(frozen=True)
+class ChooseMutedEpisodes:
+    """How many episodes to play without each option."""
+
+    episodes: int
+
+
+@dataclass(frozen=True)
+class Mute:
+    """Plays the same episodes with all options, and without each of these."""
+
+    options: tuple[int, ...]
+
+
+@dataclass(frozen=True)
 class CallOff:
     """Ends long work; what it has come to stays."""
 
@@ -98,4 +152,6 @@ class CallOff:
 
 WhatIfCommand = Suppose | SupposeState | StopSupposing | FindNearest
 CompareCommand = ChooseOther | ChooseDuelSeed | Fight | SeekDuel
-ExportCommand = ChooseFormat | ChooseScope | Export
+ExportCommand = ChooseFormat | ChooseScope | Export | ExportOption
+LearnAgainCommand = ChooseForgotten | Forget | KeepLedger
+WholeCommand = LookAtWhole | ChooseMuted | ChooseMutedEpisodes | Mute

@@ -18,9 +18,13 @@ from ao2viz.training.states import (
     Start,
     Step,
     Stop,
+    TrainOn,
     accepts,
 )
 from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.again import learn_again
+from ao2viz.ui.appearance import AppearanceCommand, Remember
+from ao2viz.ui.appearing import appear
 from ao2viz.ui.commands import (
     ChooseDecideBy,
     ChooseEpisode,
@@ -32,6 +36,7 @@ from ao2viz.ui.commands import (
     Download,
     Edit,
     Field,
+    LayBehind,
     Pick,
     Press,
     RunButton,
@@ -45,8 +50,16 @@ from ao2viz.ui.downloads import Notify, SaveFile, make_table
 from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
 from ao2viz.ui.exporting import take_away
 from ao2viz.ui.jobs import Begin
+from ao2viz.ui.learners import lay
 from ao2viz.ui.places import make_link
-from ao2viz.ui.questions import CallOff, CompareCommand, ExportCommand, WhatIfCommand
+from ao2viz.ui.questions import (
+    CallOff,
+    CompareCommand,
+    ExportCommand,
+    LearnAgainCommand,
+    WhatIfCommand,
+    WholeCommand,
+)
 from ao2viz.ui.replay_commands import ShowLink
 from ao2viz.ui.replaying import Replaying, leave_branch, play_on, steer
 from ao2viz.ui.session import OTHER_ENV, Form, Session
@@ -55,6 +68,7 @@ from ao2viz.ui.shelf import NAME_RULE, ShelfEffect, path_for
 from ao2viz.ui.walking import follow_step, walk_on
 from ao2viz.ui.watched import agent_of, decision_of, forest_of, spec_of
 from ao2viz.ui.what_if import suppose
+from ao2viz.ui.whole import ask_whole
 from ao2viz.ui.world import World
 
 
@@ -65,7 +79,7 @@ class PickOption:
     pick: Pick
 
 
-Effect = RunCommand | ShelfEffect | PickOption | SaveFile | Begin | CallOff
+Effect = RunCommand | Remember | ShelfEffect | PickOption | SaveFile | Begin | CallOff
 Result = tuple[Session, tuple[Effect, ...]]
 
 
@@ -73,6 +87,8 @@ def reduce(session: Session, command: Command, world: World) -> Result:
     """The session after a command, and what has to happen outside of it."""
     if isinstance(command, NextStage):
         return walk_on(_watch(session, None, world), world)
+    if isinstance(command, AppearanceCommand):
+        return appear(session, command)
     if isinstance(command, DialogCommand):
         return attend(session, command, world)
     if isinstance(command, Replaying):
@@ -83,12 +99,16 @@ def reduce(session: Session, command: Command, world: World) -> Result:
         return compare(session, command, world)
     if isinstance(command, ExportCommand):
         return take_away(session, command, world)
+    if isinstance(command, LearnAgainCommand):
+        return learn_again(session, command, world)
+    if isinstance(command, WholeCommand):
+        return ask_whole(session, command, world)
     match command:
         case ChooseSource(path):
             return _watch(session, path, world), ()
         case ChooseEpisode(index):
             session = replace(leave_branch(session), remark="", wanted=None)
-            return replace(session, episode=index, position=0.0, is_playing=True), ()
+            return replace(session, episode=max(0, index), position=0.0, is_playing=True), ()
         case Pick():
             return session, (PickOption(command),)
         case Edit(field, value):
@@ -105,6 +125,8 @@ def reduce(session: Session, command: Command, world: World) -> Result:
             return replace(session, charts=replace(session.charts, over=over)), ()
         case ChooseSmoothing(episodes):
             return replace(session, charts=replace(session.charts, smoothing=episodes)), ()
+        case LayBehind():
+            return lay(session, command, world), ()
         case ShowAhead(is_shown):
             wanted = not session.shows_ahead if is_shown is None else is_shown
             return replace(session, shows_ahead=wanted), ()
@@ -210,11 +232,20 @@ def _fill_in(form: Form, field: Field, value: str | int) -> Form:
             assert_never(field)
 
 
-def run_command(button: RunButton, status: RunStatus) -> type[RunCommand]:
-    """What a button asks of the run now; the same button pauses and goes on."""
+def run_command(button: RunButton, session: Session, world: World) -> type[RunCommand] | None:
+    """What a button asks of the run now, None if that cannot be; one button may ask two things."""
+    kind = _asked(button, session, world.update.status)
+    if button is RunButton.TRAIN_ON and kind is Start and agent_of(session, world) is None:
+        return None  # The file is not open yet, or broken.
+    return kind if accepts(world.update.status, kind) else None
+
+
+def _asked(button: RunButton, session: Session, status: RunStatus) -> type[RunCommand]:
     match button:
         case RunButton.START:
             return Start
+        case RunButton.TRAIN_ON:
+            return TrainOn if session.source is None else Start
         case RunButton.PAUSE:
             return Pause if status is RunStatus.RUNNING else Resume
         case RunButton.STEP:
@@ -230,21 +261,42 @@ def run_command(button: RunButton, status: RunStatus) -> type[RunCommand]:
 
 
 def _press(session: Session, button: RunButton, world: World) -> Result:
-    kind = run_command(button, world.update.status)
-    if not accepts(world.update.status, kind):
+    kind = run_command(button, session, world)
+    if kind is None:
         # Two browsers can press at once; the table decides and the second one is told.
         what = f"“{button.value}” does not fit: the run is {world.update.status.value}."
         return session, (Notify("Not now", what),)
     if kind is Save:
         return _save(session, world)
+    if kind is TrainOn:
+        return session, (TrainOn(session.form.steps),)
     if kind is not Start:
         return session, (kind(),)  # pyright: ignore[reportCallIssue]
+    if button is RunButton.TRAIN_ON:
+        return _train_on(session, world)
     form = session.form
     overrides, problem = find_overrides(form, defaults_for(form, world))
     problem = _what_is_missing(form) or problem
     if problem:
         return session, (Notify("Cannot start", problem, is_error=True),)
     start = Start(form.env_id, form.preset, form.seed, form.steps, overrides)
+    return _watch(session, None, world), (start,)
+
+
+def _train_on(session: Session, world: World) -> Result:
+    """A run that begins with the agent of the file that is watched; the file stays as it is."""
+    agent = agent_of(session, world)
+    assert agent is not None
+    env_id = agent.spec.env_id
+    # What the dashboard was started with may say which module an environment comes from.
+    known = (each for each in world.env_ids if each.rpartition(":")[2] == env_id)
+    start = Start(
+        next(known, env_id),
+        agent.preset,
+        agent.seed,
+        session.form.steps,
+        resume_from=session.source,
+    )
     return _watch(session, None, world), (start,)
 
 

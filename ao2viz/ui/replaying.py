@@ -57,7 +57,7 @@ def steer(session: Session, command: Replaying, world: World) -> Session:
         case Seek(step):
             return hold_at(session, step, world)
         case ShowMoment(number, step):
-            return hold_at(replace(leave_branch(session), episode=number), step, world)
+            return hold_at(replace(leave_branch(session), episode=max(0, number)), step, world)
         case SetPlaySpeed(factor):
             return replace(session, play_speed=factor)
         case SetLoop(is_on):

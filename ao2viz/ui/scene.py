@@ -1,12 +1,12 @@
 """The canvas of one browser: thin code that hands arrays to viser."""
 
-from typing import NamedTuple
-
 import numpy as np
 import viser
 
-from ao2viz.figures.palette import EDGE, IMAGINED, PATH, SELECTED, Rgb
+from ao2viz.figures.palette import DARK, Palette, Rgb
 from ao2viz.ui.camera import CameraMan, Lens, Sight
+from ao2viz.ui.chunks import Chunks, CloseUpNodes
+from ao2viz.ui.close_up import CloseUp
 from ao2viz.ui.lettering import Lettering
 from ao2viz.ui.look import Requests
 from ao2viz.ui.nodes import (
@@ -15,9 +15,11 @@ from ao2viz.ui.nodes import (
     CIRCLE,
     DIAMOND,
     RING,
+    Mesh,
     add_batch,
     add_lines,
     draw_lines,
+    dye,
     paint,
     place,
 )
@@ -25,16 +27,10 @@ from ao2viz.ui.overlay import SHARE_LEVELS, Overlay
 from ao2viz.ui.picture import Picture
 from ao2viz.ui.tones import LIGHT
 
-CHUNK = 1_000
-"""Options in one scene node: when the forest grows only the last chunk is sent again."""
-
-_PATH_LIMIT = 256  # Longer paths are drawn from their end.
+_PATH_LIMIT = 1_024  # Longer paths are drawn from their end.
+_PATH_ROOM = 32  # For most paths; the nodes of longer ones get more, as all of it is sent anew.
 _VOTERS = 64
 _DISCS = 64
-_DISC_COLOR: Rgb = (25, 29, 38)
-_AXIS: Rgb = (150, 160, 176)
-# The path's pink, fading with share.
-_THIN: tuple[Rgb, ...] = ((150, 52, 112), (196, 62, 142), (228, 68, 160))
 _THIN_PX = (1.2, 2.0, 3.0)
 _RING_GROWTH = 1.7  # A ring seen aslant has to be bigger than a halo.
 # Heights above the plane: what explains lies over what is explained.
@@ -59,32 +55,75 @@ class Canvas:
         self._client = client
         self._picture: Picture | None = None
         self._overlay: Overlay | None = None
-        self._chunks: list[_Chunk] = []
+        self._close_up: CloseUp | None = None
         self._discs: viser.BatchedMeshHandle | None = None
         self._camera_man = CameraMan(client)
-        scene = client.scene
+        self._palette = DARK
+        scene, colors = client.scene, DARK
+        self._chunks = Chunks(scene)
+        self._close_up_nodes = CloseUpNodes(scene)
         self._votes = [
-            add_lines(scene, f"/path/votes/{level}", _THIN[level], _THIN_PX[level])
+            add_lines(scene, f"/path/votes/{level}", colors.votes[level], _THIN_PX[level])
             for level in range(SHARE_LEVELS)
         ]
-        self._path = add_lines(scene, "/path/line", PATH, 5.0)
-        self._marks = {is_flat: _add_marks(scene, is_flat) for is_flat in (True, False)}
-        self._ring = add_batch(scene, "/selected", RING, 1, SELECTED)
-        self._schema = add_lines(scene, "/schema", EDGE, 1.5)
-        self._trail = add_lines(scene, "/now/trail", SELECTED, 1.5)
-        self._now = add_batch(scene, "/now/state", DIAMOND, 2, SELECTED)
-        paint(self._now, np.array([SELECTED, PATH], np.uint8))
-        self._ahead = add_lines(scene, "/ahead/line", IMAGINED, 3.0)
-        self._ahead_end = add_batch(scene, "/ahead/end", DIAMOND, 1, IMAGINED)
-        self._axes = add_lines(scene, "/axes", _AXIS, 1.5)
+        self._path = add_lines(scene, "/path/line", colors.path, 5.0)
+        self._marks = {is_flat: _Marks(scene, is_flat, colors) for is_flat in (True, False)}
+        self._ring = add_batch(scene, "/selected", RING, 1, colors.selected)
+        self._schema = add_lines(scene, "/schema", colors.edge, 1.5)
+        self._trail = add_lines(scene, "/now/trail", colors.selected, 1.5)
+        self._now = add_batch(scene, "/now/state", DIAMOND, 2, colors.selected)
+        paint(self._now, np.array([colors.selected, colors.path], np.uint8))
+        self._ahead = add_lines(scene, "/ahead/line", colors.imagined, 3.0)
+        self._ahead_end = add_batch(scene, "/ahead/end", DIAMOND, 1, colors.imagined)
+        self._axes = add_lines(scene, "/axes", colors.axis, 1.5)
         self._lettering = Lettering(scene)
+        self._sync_overlay(None)
 
-    def sync(self, picture: Picture | None, overlay: Overlay | None, lens: Lens | None) -> None:
+    def set_palette(self, colors: Palette) -> None:
+        """Gives everything but the options its colour; those have theirs from the picture."""
+        self._palette = colors
+        with self._client.atomic():
+            for lines, color in (
+                *zip(self._votes, colors.votes, strict=True),
+                (self._path, colors.path),
+                (self._schema, colors.edge),
+                (self._trail, colors.selected),
+                (self._ahead, colors.imagined),
+                (self._axes, colors.axis),
+            ):
+                lines.colors = np.array(color, np.uint8)
+            self._chunks.set_edge(colors.edge)
+            self._close_up_nodes.set_edge(colors.edge)
+            for marks in self._marks.values():
+                marks.set_palette(colors)
+            dye(self._ring, colors.selected)
+            dye(self._ahead_end, colors.imagined)
+            paint(self._now, np.array([colors.selected, colors.path], np.uint8))
+            if self._discs is not None:
+                dye(self._discs, colors.disc)
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether some of what is shown is still to be sent."""
+        return self._chunks.is_busy
+
+    def sync(
+        self,
+        picture: Picture | None,
+        overlay: Overlay | None,
+        lens: Lens | None,
+        close_up: CloseUp | None = None,
+    ) -> None:
         """Shows a forest and a decision. Viser sends no array that equals the last one."""
         with self._client.atomic():
+            if picture is not self._picture or close_up is not self._close_up:
+                self._chunks.show(picture, close_up.roots if close_up is not None else ())
+                self._close_up_nodes.sync(close_up, picture)
+                self._close_up = close_up
             if picture is not self._picture:
-                self._sync_forest(picture)
+                self._sync_discs(picture)
                 self._picture = picture
+            self._chunks.work()
             if overlay is not self._overlay:
                 self._sync_overlay(overlay)
                 self._overlay = overlay
@@ -100,30 +139,17 @@ class Canvas:
         sight = Sight(picture.outline, picture.is_flat, path, selection, panel)
         self._camera_man.follow(sight, requests, lens)
 
-    def _sync_forest(self, picture: Picture | None) -> None:
-        count = 0 if picture is None else len(picture.sizes)
-        n_chunks = -(-count // CHUNK)
-        if picture is not None and self._chunks and self._chunks[0].is_flat != picture.is_flat:
-            n_chunks = 0
-        for chunk in self._chunks[n_chunks:]:
-            chunk.remove()
-        del self._chunks[n_chunks:]
+    def _sync_discs(self, picture: Picture | None) -> None:
         if picture is None:
             if self._discs is not None:
                 self._discs.visible = False
             return
-        while len(self._chunks) < -(-count // CHUNK):
-            chunk = _Chunk(self._client.scene, len(self._chunks), is_flat=picture.is_flat)
-            self._chunks.append(chunk)
-        for chunk in self._chunks:
-            chunk.sync(picture)
-        self._sync_discs(picture)
-
-    def _sync_discs(self, picture: Picture) -> None:
         centres, radii = picture.discs
         capacity = -(-max(len(radii), 1) // _DISCS) * _DISCS
         if self._discs is None or len(self._discs.batched_positions) != capacity:
-            self._discs = add_batch(self._client.scene, "/discs", BIG_CIRCLE, capacity, _DISC_COLOR)
+            self._discs = add_batch(
+                self._client.scene, "/discs", BIG_CIRCLE, capacity, self._palette.disc
+            )
         self._discs.visible = len(radii) > 0
         place(self._discs, np.pad(centres, ((0, 0), (0, 1))), radii, _Z_DISC)
 
@@ -158,60 +184,47 @@ class Canvas:
             place(self._now, np.stack([now, inner]), np.array([1.5, 1.1]), _Z_RING)
 
 
-class _Marks(NamedTuple):
+class _Marks:
     """The options that the decision rests on; one set lies flat, one is round."""
 
-    voters: viser.BatchedMeshHandle
-    halos: viser.BatchedMeshHandle
-    cores: viser.BatchedMeshHandle
-    is_flat: bool
+    def __init__(self, scene: viser.SceneApi, is_flat: bool, colors: Palette) -> None:
+        self._scene, self._is_flat, self._colors = scene, is_flat, colors
+        # Around a ball a halo would hide it, so there it is a ring.
+        self._dot, self._halo = (CIRCLE, CIRCLE) if is_flat else (BALL, RING)
+        self._name = "flat" if is_flat else "deep"
+        self._voters = self._add("voters", self._dot, _VOTERS, colors.votes[1])
+        self._make_room(_PATH_ROOM)
+
+    def set_palette(self, colors: Palette) -> None:
+        """Gives everything but the options its colour."""
+        self._colors = colors
+        dye(self._voters, colors.votes[1])
+        dye(self._halos, colors.path)
 
     def sync(self, overlay: Overlay | None) -> None:
         """Shows the path and the voters; None shows nothing."""
-        for handle in (self.voters, self.halos, self.cores):
+        points = None if overlay is None else overlay.path[-_PATH_LIMIT:]
+        if points is not None and len(points) > len(self._halos.batched_positions):
+            self._make_room(len(points))
+        for handle in (self._voters, self._halos, self._cores):
             handle.visible = overlay is not None
-        if overlay is None:
+        if overlay is None or points is None:
             return
         sizes = overlay.path_sizes[-_PATH_LIMIT:]
-        halo = np.maximum(sizes + 0.3, 0.62) * (1.0 if self.is_flat else _RING_GROWTH)
+        halo = np.maximum(sizes + 0.3, 0.62) * (1.0 if self._is_flat else _RING_GROWTH)
         if len(halo):
             halo[-1] += 0.18  # The option that decided stands out.
-        points = overlay.path[-_PATH_LIMIT:]
-        place(self.halos, points, halo, _Z_HALO)
-        place(self.cores, points, np.maximum(sizes, 0.36), _Z_CORE)
-        paint(self.cores, overlay.path_colors[-_PATH_LIMIT:])
-        place(self.voters, overlay.voters[:_VOTERS], overlay.voter_sizes[:_VOTERS], _Z_VOTER)
+        place(self._halos, points, halo, _Z_HALO)
+        place(self._cores, points, np.maximum(sizes, 0.36), _Z_CORE)
+        paint(self._cores, overlay.path_colors[-_PATH_LIMIT:])
+        place(self._voters, overlay.voters[:_VOTERS], overlay.voter_sizes[:_VOTERS], _Z_VOTER)
 
+    def _make_room(self, least: int) -> None:
+        room = _PATH_ROOM
+        while room < least:
+            room *= 2
+        self._halos = self._add("halos", self._halo, room, self._colors.path)
+        self._cores = self._add("cores", self._dot, room, (0, 0, 0))
 
-def _add_marks(scene: viser.SceneApi, is_flat: bool) -> _Marks:
-    # Around a ball a halo would hide it, so there it is a ring.
-    dot, halo, name = (CIRCLE, CIRCLE, "flat") if is_flat else (BALL, RING, "deep")
-    return _Marks(
-        add_batch(scene, f"/path/{name}/voters", dot, _VOTERS, _THIN[1]),
-        add_batch(scene, f"/path/{name}/halos", halo, _PATH_LIMIT, PATH),
-        add_batch(scene, f"/path/{name}/cores", dot, _PATH_LIMIT, (0, 0, 0)),
-        is_flat,
-    )
-
-
-class _Chunk:
-    """Up to CHUNK options and the edges that lead to them."""
-
-    def __init__(self, scene: viser.SceneApi, number: int, *, is_flat: bool) -> None:
-        self.is_flat = is_flat
-        self._rows = slice(number * CHUNK, (number + 1) * CHUNK)
-        mesh, kind = (CIRCLE, "nodes") if is_flat else (BALL, "balls")
-        self._nodes = add_batch(scene, f"/forest/{kind}/{number:06d}", mesh, CHUNK, (0, 0, 0))
-        self._edges = add_lines(scene, f"/forest/edges/{number:06d}", EDGE, 1.0)
-
-    def sync(self, picture: Picture) -> None:
-        """Shows its part of a picture."""
-        rows = self._rows
-        place(self._nodes, picture.positions[rows], picture.sizes[rows], 0.0)
-        paint(self._nodes, picture.colors[rows])
-        draw_lines(self._edges, picture.edges[rows], _Z_EDGE)
-
-    def remove(self) -> None:
-        """Takes it off the canvas."""
-        self._nodes.remove()
-        self._edges.remove()
+    def _add(self, what: str, mesh: Mesh, room: int, color: Rgb) -> viser.BatchedMeshHandle:
+        return add_batch(self._scene, f"/path/{self._name}/{what}", mesh, room, color)

@@ -8,6 +8,7 @@ from ao2viz.core.config import Preset
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.exports.formats import Format, Scope
 from ao2viz.recording.cycle import Stage
+from ao2viz.ui.appearance import Appearance
 from ao2viz.ui.branches import Branch, BranchWish
 from ao2viz.ui.dialog_commands import Dialog
 from ao2viz.ui.look import ChartLook, Look
@@ -99,9 +100,13 @@ class Session:
     trail: tuple[Place, ...] = ()  # What was inspected, as a browser's history.
     trail_at: int = -1  # Where in it we are.
     supposition: Supposition | None = None
+    forgotten: int = 0  # The training episode that would be forgotten, counted from 0.
     other: Path | None = None  # The agent file that is compared with what is watched.
     duel_seed: int = 1
     duel_step: int = 0
+    muted: int = 5  # So many options would be played without, one at a time,
+    muted_episodes: int = 10  # so many episodes each.
+    looks_at_whole: int = 0  # Raised to ask for the whole agent to be seen.
     export: Format = Format.HTML
     scope: Scope = Scope.EPISODE
     shows_ahead: bool = True  # Where the agent expects to go is drawn.
@@ -109,6 +114,7 @@ class Session:
     charts: ChartLook = field(default_factory=ChartLook)
     form: Form = field(default_factory=Form)
     form_source: Path | None = None  # The file whose task the form was last filled in for.
+    appearance: Appearance = field(default_factory=Appearance)
     dialog: Dialog | None = None  # What is open in the middle of the page.
     walked: int = 0  # The step that is walked through, by the agent's count.
     stage: Stage = Stage.SAMPLE  # Where in it we are.

@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ao2viz.core.decision import Decision
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.ahead import Ahead
-from ao2viz.explain.faithful import Faithfulness
 from ao2viz.explain.flips import Flips
+from ao2viz.explain.telling import CHECKS
 from ao2viz.ui.dials import Dial, make_dials
 from ao2viz.ui.thinker import NoAnswer, Thinker
 from ao2viz.ui.view import View
@@ -94,8 +95,7 @@ class Supposing:
             answer = thinker.flips(learned, spec, state)
             return known if answer is None else replace(known, flips=answer)
         if known.faithfulness is None:
-            decisions = [decision for episode in view.recorded for decision in episode.decisions]
-            answer = thinker.faithfulness(learned, spec, decisions)
+            answer = thinker.faithfulness(learned, spec, view.recorded, CHECKS[Flips])
             return known if answer is None else replace(known, faithfulness=answer)
         return known
 

@@ -1,7 +1,7 @@
 """What only a whole mind can answer, asked in a thread of its own."""
 
 from collections import OrderedDict
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TypeVar
@@ -12,11 +12,20 @@ from ao2viz.core.decision import Decision
 from ao2viz.core.mind import Mind
 from ao2viz.envs.ranges import Ranges, ranges_by_id
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Check, Faithfulness
 from ao2viz.explain.ahead import Ahead, look_ahead
-from ao2viz.explain.faithful import Faithfulness
+from ao2viz.explain.faithful import Trials
 from ao2viz.explain.flips import Flips
 from ao2viz.explain.origin import Origin, explain_weight
-from ao2viz.explain.what_if import find_flips_at, try_explanations
+from ao2viz.explain.what_if import find_flips_at
+from ao2viz.explain.whole import (
+    MOST_SEARCHED,
+    Novelty,
+    measure_novelty,
+    sample_states,
+    states_of,
+)
+from ao2viz.recording.episode import Episode
 from ao2viz.store.saved import Learned
 
 STEPS_AHEAD = 60
@@ -45,7 +54,12 @@ class Thinker:
         self._thread: ThreadPoolExecutor | None = None
         self._minds: OrderedDict[int, tuple[Learned, Mind]] = OrderedDict()  # The thread's own.
         # Each holds what it is about, so that an id stands for one thing as long as it is kept.
-        self._asked: OrderedDict[object, tuple[Learned, Future[object]]] = OrderedDict()
+        self._asked: OrderedDict[object, tuple[object, Future[object]]] = OrderedDict()
+
+    @property
+    def is_busy(self) -> bool:
+        """Whether an answer is on its way."""
+        return any(not future.done() for _, future in self._asked.values())
 
     def ahead(self, learned: Learned, observation: NDArray) -> Ahead | NoAnswer | None:
         """Where it expects to go from an observation [D]."""
@@ -81,15 +95,32 @@ class Thinker:
         key = (id(learned), "flips", state.tobytes())
         return self._ask(key, learned, lambda mind: find_flips_at(mind, state, ranges))
 
+    def novelty(
+        self, learned: Learned, state: NDArray, recorded: Sequence[Episode]
+    ) -> Novelty | NoAnswer | None:
+        """Whether it has met anything like a state [D], beside what was recorded."""
+        key = (id(learned), "novelty", state.tobytes(), *map(id, recorded))
+
+        def work(mind: Mind) -> Novelty:
+            states = sample_states(states_of(mind, recorded), MOST_SEARCHED)
+            return measure_novelty(mind, state, states)
+
+        return self._ask(key, learned, work, recorded)
+
     def faithfulness(
-        self, learned: Learned, spec: TaskSpec, decisions: list[Decision]
+        self, learned: Learned, spec: TaskSpec, recorded: Sequence[Episode], checks: Sequence[Check]
     ) -> Faithfulness | NoAnswer | None:
-        """How often explanations agree with it, on some of these recorded decisions."""
+        """How often explanations agree with it, tried on what was recorded of it."""
         ranges = self.ranges(learned, spec)
         if ranges is None or isinstance(ranges, NoAnswer):
             return ranges
-        key = (id(learned), "faithful", len(decisions))
-        return self._ask(key, learned, lambda mind: try_explanations(mind, spec, decisions, ranges))
+        key = (id(learned), "faithful", *checks, *map(id, recorded))
+
+        def work(mind: Mind) -> Faithfulness:
+            decisions = [decision for episode in recorded for decision in episode.decisions]
+            return Trials(mind, spec, decisions, lambda: ranges).on(checks)
+
+        return self._ask(key, learned, work, recorded)
 
     def close(self) -> None:
         """Waits for what is under way, and forgets the rest."""
@@ -97,7 +128,7 @@ class Thinker:
             self._thread.shutdown(wait=True, cancel_futures=True)
 
     def _ask(
-        self, key: object, learned: Learned, answer: Callable[[Mind], _T]
+        self, key: object, learned: Learned, answer: Callable[[Mind], _T], about: object = None
     ) -> _T | NoAnswer | None:
         if key not in self._asked:
             waiting = [k for k, (_, future) in self._asked.items() if not future.done()]
@@ -106,7 +137,7 @@ class Thinker:
                     del self._asked[late]
             if self._thread is None:
                 self._thread = ThreadPoolExecutor(1, "thinker")
-            self._asked[key] = learned, self._thread.submit(self._answer, learned, answer)
+            self._asked[key] = (learned, about), self._thread.submit(self._answer, learned, answer)
             while len(self._asked) > _KEPT_ANSWERS:
                 self._asked.popitem(last=False)[1][1].cancel()
         self._asked.move_to_end(key)

@@ -18,6 +18,8 @@ from ao2viz.recording.past import Past
 from ao2viz.store.saved import Learned
 from ao2viz.training.states import RunStatus, SetDecideBy, accepts
 from ao2viz.training.updates import RunUpdate
+from ao2viz.ui.again import Again, again_of
+from ao2viz.ui.appearance import Appearance
 from ao2viz.ui.branches import Branch, BranchUnderWay
 from ao2viz.ui.commands import RunButton, Table
 from ao2viz.ui.comparing import Other, other_of
@@ -25,6 +27,7 @@ from ao2viz.ui.dialog_commands import Dialog
 from ao2viz.ui.dialogs import defaults_for
 from ao2viz.ui.downloads import tables_of
 from ao2viz.ui.exporting import Export, export_of
+from ao2viz.ui.learners import Learners, learners_of
 from ao2viz.ui.look import ChartLook, Look
 from ao2viz.ui.places import command_to, link_to
 from ao2viz.ui.reduce import run_command
@@ -48,6 +51,7 @@ from ao2viz.ui.watched import (
     spec_of,
 )
 from ao2viz.ui.what_if import state_of
+from ao2viz.ui.whole import Whole, whole_of
 from ao2viz.ui.world import LoadFailure, ShelfItem, World
 
 ForestKey = tuple[str, str, int]
@@ -113,12 +117,15 @@ class View:
     supposed: NDArray[np.float64] | None  # [D] what a person supposes instead; None: nothing.
     other: Other | None  # What is compared with what is watched.
     export: Export
+    again: Again
+    whole: Whole
     seen: NDArray[np.float64] | None  # [T, D] the last few states, this moment's at the end.
     episode: Episode | None
     frame: bytes | None  # The run's own picture; None: take the episode's.
     walk: Walk | None  # The stage of a single step that is shown.
     can_walk: bool  # There is a next stage.
     notice: str  # Said in place of a sentence while there is no decision.
+    is_trouble: bool  # The notice tells what went wrong.
     transport: Transport
     replay: Replay
     n_lived: int  # Steps of training that can be looked back on; 0: none.
@@ -139,6 +146,7 @@ class View:
     is_error: bool
     form: Form
     env_ids: tuple[str, ...]
+    appearance: Appearance
     dialog: Dialog | None
     folders: tuple[Path, ...]  # Where agents may go.
     folder: Path  # Where they go.
@@ -148,6 +156,7 @@ class View:
     history: NDArray[np.float64]
     seconds: NDArray[np.float64]  # [E] when its episodes ended; shorter or empty if not known.
     charts: ChartLook
+    learners: Learners  # Of the paper's comparison, on the task that is watched.
     downloads: frozenset[Table]
     fits: int
     focuses: int
@@ -172,7 +181,9 @@ def project(session: Session, world: World) -> View:
         seen = episode.observations[max(0, position - _SEEN) : position + 1]
     observation = observation_of(session, world)
     look = session.look
-    look = replace(look, axes=look.axes_for(spec.n_features if spec is not None else 0))
+    shown = session.appearance
+    axes = look.axes_for(spec.n_features if spec is not None else 0)
+    look = replace(look, axes=axes, theme=shown.shown_theme, is_still=shown.rests)
     kind, name = ("run", str(update.run_id)) if is_run else ("file", str(session.source))
     return View(
         shelf=world.shelf,
@@ -188,12 +199,15 @@ def project(session: Session, world: World) -> View:
         supposed=state_of(session.supposition, observation),
         other=other_of(session, world),
         export=export_of(session, world),
+        again=again_of(session, world),
+        whole=whole_of(session, world),
         seen=seen,
         episode=episode,
         frame=update.frame if is_run and episode is None else None,
         walk=walk_of(session, world),
         can_walk=can_walk(session, world),
         notice=_notice(session, world, episode, position),
+        is_trouble=_is_trouble(session, world),
         transport=Transport(
             position, last, session.is_playing, episode is not None, session.play_speed
         ),
@@ -210,12 +224,13 @@ def project(session: Session, world: World) -> View:
         can_go_forward=session.trail_at + 1 < len(session.trail),
         look=look,
         run=update,
-        enabled=_enabled(update.status),
+        enabled=frozenset(b for b in RunButton if run_command(b, session, world) is not None),
         can_choose_decide_by=accepts(update.status, SetDecideBy),
         status=_status(update),
         is_error=update.is_error,
         form=session.form,
         env_ids=world.env_ids,
+        appearance=session.appearance,
         dialog=session.dialog,
         folders=world.folders,
         folder=folder_for(session, world),
@@ -225,6 +240,7 @@ def project(session: Session, world: World) -> View:
         history=history_of(session, world),
         seconds=update.seconds if is_run else np.empty(0),
         charts=session.charts,
+        learners=learners_of(session, world),
         downloads=tables_of(session, world),
         fits=session.fits,
         focuses=session.focuses,
@@ -277,10 +293,6 @@ def _replay(session: Session, world: World, episode: Episode | None, position: i
     )
 
 
-def _enabled(status: RunStatus) -> frozenset[RunButton]:
-    return frozenset(b for b in RunButton if accepts(status, run_command(b, status)))
-
-
 def _episode_labels(episodes: tuple[Episode, ...]) -> tuple[str, ...]:
     return tuple(
         f"{i + 1}: return {number(e.total_reward)}, {count(len(e), 'step')}"
@@ -315,6 +327,12 @@ def _notice(session: Session, world: World, episode: Episode | None, position: i
             return update.message
         case _:
             return "" if update.decision is not None else "Waiting for the first decision …"
+
+
+def _is_trouble(session: Session, world: World) -> bool:
+    if session.source is None:
+        return world.update.status is RunStatus.FAILED
+    return isinstance(world.opened.get(session.source), LoadFailure)
 
 
 def _ending(episode: Episode) -> str:

@@ -1,5 +1,6 @@
 """What a session watches, found in the world; pure."""
 
+from dataclasses import replace
 from functools import lru_cache
 
 import numpy as np
@@ -22,6 +23,19 @@ def agent_of(session: Session, world: World) -> SavedAgent | None:
     """The saved agent that is watched, once it is open."""
     opened = world.opened.get(session.source) if session.source is not None else None
     return opened if isinstance(opened, SavedAgent) else None
+
+
+def agent_at_rest(session: Session, world: World) -> SavedAgent | None:
+    """The agent that is watched, a held run's as well, with the episodes that can be gone to."""
+    if session.source is not None:
+        return agent_of(session, world)
+    update = world.update
+    return None if update.saved is None else _with_episode(update.saved, update.episode)
+
+
+@lru_cache(maxsize=1)
+def _with_episode(saved: SavedAgent, episode: Episode | None) -> SavedAgent:
+    return replace(saved, episodes=() if episode is None else (episode,))
 
 
 def episode_of(session: Session, world: World) -> Episode | None:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from ao2viz.figures.behind import Behind
 from ao2viz.store.saved import SavedAgent
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.branches import BranchResult, BranchWish
@@ -39,3 +40,4 @@ class World:
     folders: tuple[Path, ...] = ()  # All that people may choose from for that.
     defaults: Defaults = field(default_factory=dict)  # Settings that agents begin with.
     env_ids: tuple[str, ...] = ()  # Offered for training.
+    curves: tuple[Behind, ...] = ()  # How the paper's learners learned.

@@ -1,5 +1,6 @@
 """Others' algorithms behind our face: they learn, repeat, are kept, and say what they cannot."""
 
+import itertools
 import json
 
 import numpy as np
@@ -10,7 +11,7 @@ from safetensors.numpy import save_file
 from ao2viz import baselines
 from ao2viz.baselines.algorithm import Algorithm
 from ao2viz.baselines.files import FORMAT
-from ao2viz.baselines.zoo import steps_per_update
+from ao2viz.baselines.zoo import reference_settings, steps_per_update
 from ao2viz.store.errors import AgentFileError
 
 # Each with an environment that it has settings for, and steps that are whole updates.
@@ -19,6 +20,7 @@ PAIRS = [
     (Algorithm.SB3_PPO, "Acrobot-v1", 4096),
     (Algorithm.SB3_SAC, "Pendulum-v1", 130),
     (Algorithm.SB3_QRDQN, "CartPole-v1", 1280),
+    (Algorithm.SB3_QRDQN, "Acrobot-v1", 128),
 ]
 
 
@@ -47,6 +49,19 @@ def test_it_learns_and_is_kept(tmp_path, algorithm, env, steps):
     assert state is None
     with pytest.raises(ValueError, match="cannot go on learning: its optimiser and memory"):
         back.learn(1)
+
+
+def test_its_network_is_that_of_its_settings():
+    agent = baselines.make("sb3-qrdqn", "Acrobot-v1")
+    settings = reference_settings(Algorithm.SB3_QRDQN, "Acrobot-v1")
+    assert agent.settings == settings  # Making it has left them as they are.
+    sizes = [
+        6,
+        *settings["policy_kwargs"]["net_arch"],
+        3 * settings["policy_kwargs"]["n_quantiles"],
+    ]
+    layers = itertools.pairwise(sizes)
+    assert agent.n_parameters == sum((inputs + 1) * outputs for inputs, outputs in layers)
 
 
 def test_a_seed_repeats_whatever_is_evaluated_in_between():

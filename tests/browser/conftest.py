@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from playwright.sync_api import Browser, ConsoleMessage, Page, sync_playwright
+from playwright.sync_api import Browser, BrowserContext, ConsoleMessage, Page, sync_playwright
 
 from ao2viz.agent import AO2
 from ao2viz.training.runner import ThreadRunner
 from ao2viz.ui.app import Dashboard
+from ao2viz.ui.appearance import KEY
 from ao2viz.ui.view import View
 
 # WebGL is drawn by the processor; nothing is fetched from anywhere.
@@ -36,6 +37,7 @@ for (const kind of [WebGLRenderingContext, WebGL2RenderingContext]) {
 """
 SIZE = {"width": 1440, "height": 810}
 PATIENCE_S = 30.0
+HINT_KEY = f"viser-user:{KEY}"  # Viser puts its prefix before what servers store.
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
@@ -134,6 +136,7 @@ Open = Callable[..., Window]
 def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Open]:
     """Opens pages on a dashboard; a console error fails the test, a failure keeps a screenshot."""
     pages: list[Page] = []
+    contexts: list[BrowserContext] = []
     errors: list[str] = []
 
     def listen(message: ConsoleMessage) -> None:
@@ -141,10 +144,24 @@ def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path
             errors.append(message.text)
 
     def open_one(
-        dashboard: Dashboard, *, draws: bool = False, size=SIZE, query: str = ""
+        dashboard: Dashboard,
+        *,
+        draws: bool = False,
+        size=SIZE,
+        query: str = "",
+        is_first_visit: bool = False,
+        context: BrowserContext | None = None,
     ) -> Window:
         known = set(dashboard.views)
-        page = browser.new_page(viewport=size)
+        context = context or browser.new_context(color_scheme="dark")
+        contexts.append(context)
+        page = context.new_page()
+        page.set_viewport_size(size)
+        if not is_first_visit:
+            page.add_init_script(
+                f"localStorage.getItem('{HINT_KEY}') ||"
+                f"localStorage.setItem('{HINT_KEY}', '{{\"hint_is_gone\": true}}')"
+            )
         pages.append(page)
         page.on("console", listen)
         page.on("pageerror", lambda error: errors.append(str(error)))
@@ -173,8 +190,8 @@ def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path
     if failed is not None and failed.failed:
         for number, page in enumerate(pages):
             page.screenshot(path=tmp_path / f"failure-{number}.png")
-    for page in pages:
-        page.close()
+    for context in contexts:
+        context.close()
     assert errors == []
 
 

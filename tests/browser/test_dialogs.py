@@ -58,9 +58,38 @@ def test_help_lists_exactly_the_keys_of_the_guide(dashboard, open_window: Open):
     assert shown == told
     words = window.page.locator(".ao-help").inner_text()
     assert re.search(r"pause or go on", words)
+    assert "back to the main line" in words  # It cannot be asked for now, but it can be later.
+    assert words.count("take over with") == len(window.view.spec.action_names) == 2
     window.page.keyboard.press("Escape")
     window.wait(lambda: window.view.dialog is None, "the dialog to close")
     window.wait(lambda: window.page.get_by_role("dialog").count() == 0, "the page to show it")
+    window.choose("Watch", "Pendulum-v1")
+    window.wait(lambda: window.view.source.stem == "Pendulum-v1", "the other agent")
+    window.wait(lambda: window.view.replay.can_take_over, "its actions")
+    window.press("Help")  # By key nothing opens while the list is in focus.
+    window.page.get_by_role("dialog").wait_for()
+    words = window.page.locator(".ao-help").inner_text()
+    assert words.count("take over with torque") == len(window.view.spec.action_names) == 5
+
+
+def test_escape_leaves_a_dialog_also_from_within_a_field(dashboard, open_window: Open):
+    window = open_window(dashboard)
+    opened(window, "Shift+S", Dialog.SETTINGS)
+    window.field("gamma").fill("0.9")
+    # Viser's page applies what changes after what goes, and complains where one frame brings both.
+    window.page.locator(".ao-setting .ao-mark").wait_for()
+    window.page.keyboard.press("Escape")
+    window.wait(lambda: window.view.dialog is None, "the dialog to close")
+    assert window.view.form.settings == {"gamma": "0.9"}
+    window.page.get_by_role("dialog").wait_for(state="hidden")
+    opened(window, "Shift+L", Dialog.LIBRARY)
+    window.field("Agent").click()
+    window.page.get_by_role("option", name="Pendulum-v1").first.wait_for()
+    window.page.keyboard.press("Escape")  # Closes the list.
+    window.page.get_by_role("option", name="Pendulum-v1").first.wait_for(state="hidden")
+    assert window.view.dialog is Dialog.LIBRARY
+    window.page.keyboard.press("Escape")
+    window.wait(lambda: window.view.dialog is None, "the dialog to close")
 
 
 def test_an_agent_is_uploaded_watched_and_downloaded(

@@ -81,6 +81,25 @@ def test_cartpole_is_trained_to_success(dashboard, open_window: Open):
     window.wait_for_text("Finished")
 
 
+def test_a_saved_agent_is_trained_on_and_then_its_ended_run(dashboard, open_window: Open):
+    window = open_window(dashboard)
+    before = 1_500  # Of the agent that is shown first.
+    window.field("Steps").fill("200")
+    window.wait(lambda: window.view.form.steps == 200, "the number of steps")
+    for more in (200, 400):
+        window.press("Train on")
+        window.wait(
+            lambda more=more: (
+                window.view.run.status is RunStatus.FINISHED
+                and window.view.run.n_steps == before + more
+            ),
+            "the end of the steps",
+            120,
+        )
+        assert window.view.source is None
+    window.wait_for_text(f"Finished: {before + 400:,} steps")
+
+
 def test_a_second_browser_joins_the_run(dashboard, open_window: Open):
     one = open_window(dashboard)
     start(one, 5_000_000)

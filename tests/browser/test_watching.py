@@ -5,29 +5,37 @@ import io
 import numpy as np
 from PIL import Image
 
+from ao2viz.explain.contrast import explain_why_not, tell_why_not
 from ao2viz.figures.palette import PATH
 from ao2viz.ui.tones import to_albedo
 from tests.browser.conftest import Open, Window
+
+_ONLY_CANVAS = "* {visibility: hidden !important} canvas {visibility: visible !important}"
 
 
 def test_it_opens_and_plays_with_the_path_lit(dashboard, open_window: Open):
     window = open_window(dashboard, draws=True)
     window.wait(lambda: window.view.transport.position > 3, "the episode to play")
     assert window.view.source.name == "CartPole-v1.ao2"
-    # While it plays: a path of one option, at whose name it may be held, lights up little.
-    window.wait(lambda: pink(window) > 200, "the path to light up")
+    # While it plays: a path of one option, at which it may be held, lights up little.
+    window.wait(lambda: pink(window) > 20, "the path to light up")
     window.hold()
-    said = window.text()
     view = window.view
-    assert view.spec.action_names[view.decision.action] in said
-    assert "PATH TO THE MOST SIMILAR OPTION" in said.upper()
-    for option in view.decision.path:
-        assert f" {option}" in said
+    told = (
+        view.spec.action_names[view.decision.action],
+        "Path to the most similar option",
+        *(f" {option}" for option in view.decision.path),
+    )
+    for what in told:
+        window.wait(lambda what=what: what.upper() in window.text().upper(), f"{what!r} in words")
+    window.press("Last step")
+    window.wait(lambda: window.view.decision is None, "the end of the episode")
+    window.wait(lambda: pink(window) == 0, "the path to go out where nothing is decided")
 
 
 def pink(window: Window) -> int:
-    """Pixels of the canvas in the colour of the path."""
-    shot = window.page.locator("canvas").first.screenshot()
+    """Pixels of the forest in the colour of the path, without the legend and names above it."""
+    shot = window.page.locator("canvas").first.screenshot(style=_ONLY_CANVAS)
     pixels = np.asarray(Image.open(io.BytesIO(shot)).convert("RGB")).astype(int)
     assert to_albedo(np.array(PATH, np.uint8)).shape == (3,)
     return int((np.abs(pixels - PATH).max(axis=2) < 12).sum())
@@ -204,3 +212,20 @@ def test_rows_of_buttons_are_rows(dashboard, open_window: Open):
         ]
         assert len({round(box["y"]) for box in boxes}) == 1, names
         assert [box["x"] for box in boxes] == sorted(box["x"] for box in boxes)
+
+
+def test_why_not_each_other_action_opens_to_what_stood_against_it(dashboard, open_window: Open):
+    window = open_window(dashboard)
+    window.hold()
+    window.press("First step")
+    window.wait(lambda: window.view.transport.position == 0, "the first step")
+    view = window.view
+    (other,) = {0, 1} - {view.decision.action}
+    told = tell_why_not(explain_why_not(view.decision, other, view.forest), view.spec)
+    summary = window.page.locator("summary", has_text=f"{view.spec.action_names[other]}: ")
+    summary.wait_for()
+    assert told not in window.text()
+    summary.focus()
+    window.page.keyboard.press("Enter")
+    window.wait_for_text(told)
+    window.wait_for_text("Known: an option lies within")

@@ -1,5 +1,7 @@
 """What if: a control is moved and path and action follow; a flip's button flips; and back."""
 
+import re
+
 from tests.browser.conftest import Open, Window
 
 
@@ -88,3 +90,24 @@ def test_the_button_of_a_flip_flips_the_action_and_so_does_the_nearest_of_all(
     window.press("Step forward")
     window.wait(lambda: window.view.supposed is None, "the replay's moment")
     window.wait(lambda: not drawn_path(window).startswith("what if"), "its path")
+
+
+def test_an_episode_is_forgotten_from_the_page_and_a_changed_moment_is_gone_to(
+    dashboard, open_window: Open
+):
+    window = open_window(dashboard)
+    open_tab(window)
+    box = window.field("Forget")
+    box.scroll_into_view_if_needed()
+    box.fill("1")
+    box.press("Enter")
+    window.wait(lambda: window.view.again.episode == 1, "the episode")
+    window.press("Forget it")
+    window.wait_for_text("Training episode 1 had", 120)
+    window.wait_for_text("learned again, it decides the same in")
+    moment = window.page.get_by_role("button", name=re.compile(r"step \d+: .* → ")).first
+    moment.scroll_into_view_if_needed()
+    words = moment.inner_text()
+    moment.click()
+    step = int(words.partition("step ")[2].partition(":")[0])
+    window.wait(lambda: window.view.transport.position == step, "the moment")

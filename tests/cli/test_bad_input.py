@@ -42,6 +42,11 @@ WRONG = {
     "not an agent": (["info", "file.txt"], "file.txt"),
     "no such folder": (["list", "nowhere"], "nowhere"),
     "port out of range": (["app", "--port", "70000"], "--port"),
+    "curves that are none": (
+        ["app", "--no-browser", "--curves", "file.txt"],
+        "file.txt is no curves.json",
+    ),
+    "missing curves": (["app", "--no-browser", "--curves", "nowhere.json"], "nowhere.json"),
 }
 
 

@@ -73,6 +73,35 @@ def test_train_replaces_a_file_only_if_asked(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "agent.ao2").read_bytes() != before
 
 
+def test_a_saved_agent_goes_on_as_if_it_had_never_stopped(cli: Cli, tmp_path: Path) -> None:
+    assert cli("train", "CartPole-v1", "--steps", "400", "--out", "a.ao2").returncode == 0
+    refused = cli("train", "a.ao2", "--steps", "300")
+    assert refused.returncode == 2
+    assert "a.ao2 is there already" in refused.stderr
+    done = cli("train", "a.ao2", "--steps", "300", "--out", "b.ao2", "--set", "slip=0.1")
+    assert done.returncode == 0, done.stderr
+    assert "300 steps after 400 earlier ones" in done.stdout
+    expected = ao2viz.AO2.load(tmp_path / "a.ao2")
+    expected.change_settings(slip=0.1)
+    expected.learn(300)
+    agent = ao2viz.AO2.load(tmp_path / "b.ao2")
+    assert agent.num_timesteps == 700
+    assert vars(agent.config)["slip"] == 0.1
+    assert agent.forest.values.tobytes() == expected.forest.values.tobytes()
+    assert agent.forest.weights.tobytes() == expected.forest.weights.tobytes()
+    assert ao2viz.AO2.load(tmp_path / "a.ao2").num_timesteps == 400
+    for wrong, words in (
+        (("a.ao2", "--seed", "1", "--out", "c.ao2"), "leave out --preset and --seed"),
+        (("a.ao2", "--set", "levels=2", "--out", "c.ao2"), "levels"),
+        (("none.ao2",), "none.ao2"),
+        (("CartPole-v1", "--env", "CartPole-v1"), "gets it as ENV"),
+    ):
+        done = cli("train", *wrong)
+        assert done.returncode == 2, done.stdout
+        assert words in done.stderr
+        assert not (tmp_path / "c.ao2").exists()
+
+
 def test_an_environment_that_raises_costs_nothing_that_was_learned(
     cli: Cli, tmp_path: Path
 ) -> None:

@@ -70,6 +70,14 @@ def test_a_weight_is_told_by_option_and_action_number(cli: Cli) -> None:
     assert "of push right" in done.stdout
 
 
+def test_an_option_is_told_in_full(cli: Cli) -> None:
+    answer = asked(cli, "option", "--option", "0")["answer"]
+    forest = ao2viz.AO2.load(FILE).forest
+    assert answer["visits"] == forest.visits[0].tolist()
+    assert [origin["weight"] for origin in answer["origins"]] == forest.weights[0].tolist()
+    assert answer["faithfulness"]["stories"]["tried"] > 0
+
+
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -5,6 +5,8 @@ import signal
 import time
 from pathlib import Path
 
+import pytest
+
 from ao2viz.exports.formats import ABOUT
 from ao2viz.resources import saved_schemas
 from tests.cli.processes import Cli, interrupt, start
@@ -54,15 +56,20 @@ def test_overwrite_replaces(cli: Cli, tmp_path: Path) -> None:
     assert (tmp_path / "mine.csv").stat().st_size > 100_000
 
 
-def test_ctrl_c_in_the_middle_leaves_nothing(tmp_path: Path) -> None:
-    process = start(tmp_path, "export", SHIPPED, "--format", "gif", "--out", "film.gif")
-    while not (begun := list(tmp_path.glob(".film.gif.*.tmp"))) and process.poll() is None:
-        time.sleep(0.05)
+@pytest.mark.parametrize(("format", "after_s"), [("gif", 1.0), ("html", 0.0)])
+def test_ctrl_c_in_the_middle_leaves_what_was_there(
+    tmp_path: Path, format: str, after_s: float
+) -> None:
+    (tmp_path / "out").write_text("mine")
+    process = start(tmp_path, "export", SHIPPED, "--format", format, "--out", "out", "--overwrite")
+    while not (begun := list(tmp_path.glob(".out.*.tmp"))) and process.poll() is None:
+        time.sleep(0.02)
     assert begun, process.communicate()
-    _, errors = interrupt(process, 1, signal.SIGINT)
+    output, errors = interrupt(process, after_s, signal.SIGINT)
     assert process.returncode == 130
-    assert "Traceback" not in errors
-    assert list(tmp_path.iterdir()) == []
+    assert (output, errors) == ("", "Error: Interrupted.\n")
+    assert [path.name for path in tmp_path.iterdir()] == ["out"]
+    assert (tmp_path / "out").read_text() == "mine"
 
 
 def test_the_help_says_what_every_format_holds(cli: Cli) -> None:

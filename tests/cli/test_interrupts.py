@@ -2,12 +2,16 @@
 
 import signal
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import ao2viz
+from ao2viz import explanations
+from ao2viz.cli.entry import main
 from ao2viz.cli.interrupts import DeferredInterrupts
+from ao2viz.resources import saved_schemas
 from tests.cli.processes import interrupt, start
 
 FOREVER = ("--steps", "100000000")
@@ -17,7 +21,7 @@ FOREVER = ("--steps", "100000000")
 def test_an_interrupt_saves_what_was_learned_and_says_where(
     tmp_path: Path, agent_file: Path, number: signal.Signals, code: int
 ) -> None:
-    # `agent_file` has compiled, so four seconds are enough to be in the middle of learning.
+    # `agent_file` has compiled, so four seconds of work are enough to be in the middle of learning.
     process = start(tmp_path, "train", "CartPole-v1", *FOREVER, "--out", "a.ao2")
     output, errors = interrupt(process, 4, number)
     assert process.returncode == code
@@ -49,12 +53,11 @@ def test_what_cannot_be_saved_where_it_should_is_saved_elsewhere(
     assert ao2viz.AO2.load(saved).num_timesteps > 0
 
 
-def test_an_interrupted_evaluation_leaves_no_traceback(tmp_path: Path, agent_file: Path) -> None:
+def test_an_interrupted_evaluation_says_so_in_one_line(tmp_path: Path, agent_file: Path) -> None:
     process = start(tmp_path, "evaluate", str(agent_file), "--episodes", "100000000")
     output, errors = interrupt(process, 4)
     assert process.returncode == 130
-    assert output == ""
-    assert "Traceback" not in errors
+    assert (output, errors) == ("", "Error: Interrupted.\n")
 
 
 def test_the_second_interrupt_does_not_wait() -> None:
@@ -74,3 +77,19 @@ def test_afterwards_ctrl_c_works_as_before() -> None:
     with DeferredInterrupts(lambda: None):
         assert signal.getsignal(signal.SIGINT) is not before
     assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_learning_again_is_ended_in_one_line(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    def press_in_the_middle(*_, on_progress: Callable[[float], None], **__) -> None:
+        on_progress(0.3)
+        signal.raise_signal(signal.SIGINT)
+
+    monkeypatch.setattr(explanations, "learn_again", press_in_the_middle)
+    file = str(saved_schemas() / "CartPole-v1.ao2")
+    assert main(["explain", file, "forget", "--forget", "2"]) == 130
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    told = "Called off in the middle of learning again: there is no answer."
+    assert printed.err.splitlines() == [told]

@@ -3,8 +3,11 @@
 import json
 from pathlib import Path
 
+import pytest
+
 from ao2viz.baselines.algorithm import Acting, Algorithm
 from ao2viz.experiments.table import read
+from ao2viz.exports.learner_curves import read_learner_curves
 from tests.cli.processes import Cli
 
 
@@ -32,6 +35,10 @@ def test_a_piece_is_run_and_reported_and_not_run_again(cli: Cli, tmp_path: Path)
     assert "1 of 40 runs are done" in report
     assert "<svg" in (tmp_path / "there" / "report.html").read_text("utf-8")
     assert (tmp_path / "there" / "curves-CartPole-v0.svg").exists()
+    (curve,) = read_learner_curves(tmp_path / "there" / "curves.json")
+    assert (curve.env, curve.learner, curve.seeds) == ("CartPole-v0", "PPO", (900,))
+    greedy = [one for one in rows if one.decide_by is Acting.GREEDY]
+    assert curve.returns[0] == pytest.approx([one.mean_return for one in greedy], abs=1e-3)
     again = cli(*piece, "--out", "there")
     assert json.loads(again.stdout)["done_before"] == 1
     assert read(tmp_path / "there" / "results.parquet") == rows

@@ -1,11 +1,15 @@
-"""A change in one file reaches the compiled code of every file that calls it."""
+"""Compiled code: what a change reaches, and what others may do while it runs."""
 
 import shutil
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
+import numpy as np
+
 import ao2viz
+from ao2viz.core.index import make_index
 
 ASK = """
 import numpy as np
@@ -36,3 +40,28 @@ def test_an_upgraded_file_is_not_answered_with_code_compiled_before(tmp_path):
     assert text.count("total += abs(") == 1
     columns.write_text(text.replace("total += abs(", "total += 10 * abs("))
     assert ask(tmp_path) == 20.0
+
+
+def test_other_threads_run_while_a_big_forest_is_indexed():
+    points = np.random.default_rng(0).random((200_000, 4))
+    options = np.arange(len(points))
+    make_index(points, options)  # Compiled, once: what remains is the work itself.
+    turns, stopping = [], threading.Event()
+
+    def take_turns():
+        while not stopping.wait(0.0005):
+            turns.append(None)
+
+    other, before = threading.Thread(target=take_turns), sys.getswitchinterval()
+    other.start()
+    # Nobody is asked to let others run any more; who does so does it of its own accord.
+    sys.setswitchinterval(1_000)
+    try:
+        seen = len(turns)
+        make_index(points, options)
+        taken = len(turns) - seen
+    finally:
+        sys.setswitchinterval(before)
+        stopping.set()
+        other.join()
+    assert taken > 3

@@ -293,6 +293,31 @@ def test_credit_of_a_trace_fades_by_gamma_per_step():
     np.testing.assert_array_equal(learner.view().weights[0], expected)
 
 
+@pytest.mark.parametrize("credit", ["return", "bootstrap"])
+@pytest.mark.parametrize("steps", [1, 2, 3, 7])
+def test_every_action_is_moved_once_by_the_return_of_its_trace(credit, steps):
+    learner = new_learner(
+        Preset.PAPER, credit=credit, gamma=0.5, trace_length=3, step_size=0.1, threshold=0.0
+    )
+    learner.start(np.zeros(2))
+    taken = []
+    for step in range(steps):
+        taken.append(learner.decide().action)
+        learner.observe(learner.decide(), 8.0, np.zeros(2), step + 1 == steps, False)
+    assert learner.view().visits[0].tolist() == [taken.count(0), taken.count(1)]
+    if credit == "return":
+        for action in set(taken):
+            earned = [
+                sum(8.0 * 0.5**k for k in range(min(3, steps - step)))
+                for step in range(steps)
+                if taken[step] == action
+            ]
+            weight = 0.0
+            for n, one in enumerate(earned, 1):
+                weight += max(0.1, 1 / n) * (one - weight)
+            assert learner.view().weights[0, action] == pytest.approx(weight)
+
+
 @pytest.mark.parametrize("preset", PRESETS)
 def test_a_state_of_another_shape_is_refused_and_nothing_is_lost(preset):
     learner, other = grown(preset), grown(preset, steps=100)

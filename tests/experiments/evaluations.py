@@ -6,7 +6,7 @@ import json
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import DecideBy
 from ao2viz.experiments.measure import Evaluation
-from ao2viz.experiments.plan import Run
+from ao2viz.experiments.plan import Run, Way
 from ao2viz.experiments.provenance import Provenance, provenance
 
 
@@ -18,7 +18,7 @@ def evaluation(
     *returns: float,
     of: Run | None = None,
     steps: int = 1000,
-    decide_by: DecideBy = DecideBy.VOTE,
+    decide_by: Way = DecideBy.VOTE,
     made_by: Provenance | None = None,
 ) -> Evaluation:
     return Evaluation(
@@ -27,8 +27,8 @@ def evaluation(
         decide_by=decide_by,
         returns=returns or (1.0, 3.0),
         options=500,
-        stack_mean=3.25,
-        stack_most=5,
+        stack_mean=3.25 if isinstance(decide_by, DecideBy) else 0.0,
+        stack_most=5 if isinstance(decide_by, DecideBy) else 0,
         cpu_s=1.5,
         made_by=made_by or provenance(),
         finished_at=datetime.datetime(2026, 1, 2, 3, 4, 5, 678, tzinfo=datetime.UTC),

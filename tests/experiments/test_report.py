@@ -4,6 +4,8 @@ from pathlib import Path
 
 import pytest
 
+from ao2viz.baselines.algorithm import Acting, Algorithm
+from ao2viz.experiments.plan import Run
 from ao2viz.experiments.provenance import provenance
 from ao2viz.experiments.report import write_into
 from ao2viz.experiments.statistics import summarise
@@ -71,6 +73,24 @@ def test_tables_have_as_many_cells_as_headings():
 def test_a_way_of_deciding_that_is_not_there_is_a_dash():
     page = report(rows=[evaluation(1.0, 3.0)])
     assert "| 0 | 2.0 ± 1.0 | – | 500 | 3.2 (≤ 5) | 1.5 |" in page
+
+
+def test_a_network_has_its_own_ways_and_no_stack():
+    rival = Run("CartPole-v1", Algorithm.PPO, "{}", 7)
+    greedy = evaluation(4.0, 6.0, of=rival, decide_by=Acting.GREEDY)
+    drawn = evaluation(1.0, 3.0, of=rival, decide_by=Acting.SAMPLED)
+    page = report(rows=[greedy, drawn])
+    assert "| seeds | drawn | greedy | IQM drawn | IQM greedy | parameters | stack |" in page
+    assert "| 2.0 (2.0 … 2.0) | 5.0 (5.0 … 5.0) | 2.0 | 5.0 | 500 | – | 1.5 |" in page
+    assert "| seed | drawn | greedy | parameters | stack | CPU s |" in page
+    assert "| 7 | 2.0 ± 1.0 | 5.0 ± 1.0 | 500 | – | 1.5 |" in page
+    assert "2 episodes each" in page
+    beside = report(rows=[greedy, drawn, *both_ways(7.0, 9.0)])
+    assert "| by vote or drawn | by one path or greedy |" in beside
+    assert "| options or parameters | stack |" in beside
+    assert "| seed | by vote | by one path | options | stack | CPU s |" in beside
+    assert "| seed | drawn | greedy | parameters | stack | CPU s |" in beside
+    assert "| 0 | 8.0 ± 1.0 | 8.0 ± 1.0 | 500 | 3.2, 3.2 (≤ 5) | 1.5 |" in beside
 
 
 def test_what_people_wrote_around_the_tables_stays():

@@ -10,7 +10,7 @@ import pytest
 
 from ao2viz import DecideBy
 from ao2viz.experiments.measure import Evaluation
-from ao2viz.experiments.plan import Schedule
+from ao2viz.experiments.plan import Schedule, Task
 from ao2viz.experiments.provenance import Provenance, provenance
 from ao2viz.experiments.sweep import missing
 from ao2viz.experiments.table import SCHEMA, TableError, opened, read
@@ -59,29 +59,29 @@ def test_what_is_missing_is_told(tmp_path):
         assert not table.holds(run(1), ONCE), "It was evaluated by vote alone."
         assert not table.holds(run(0, levels=3), ONCE)
         assert not table.holds(run(0), Schedule((1000, 2000), episodes=2))
-        assert missing(table, [run(0), run(1), run(2)], ONCE) == [run(1), run(2)]
+        tasks = [Task(run(seed), ONCE) for seed in range(3)]
+        assert missing(table, tasks) == tasks[1:]
 
 
 def test_another_number_of_episodes_is_refused(tmp_path):
     path = write(tmp_path / "r.parquet", *both_ways(1.0, 3.0))
     with opened(path) as table, pytest.raises(TableError, match=r"with 2 episodes, not 5.*another"):
-        missing(table, [run()], Schedule((1000,), episodes=5))
+        missing(table, [Task(run(), Schedule((1000,), episodes=5))])
 
 
 def test_another_version_of_ao2viz_is_refused(tmp_path):
     path = write(tmp_path / "r.parquet", evaluation(made_by=Provenance("0.0.1", None)))
-    with (
-        opened(path) as table,
-        pytest.raises(TableError, match=r"made by ao2viz 0\.0\.1, but this"),
-    ):
-        missing(table, [run(7)], ONCE)
+    with opened(path) as table:
+        assert missing(table, []) == [], "Who adds nothing may read it."
+        with pytest.raises(TableError, match=r"made by ao2viz 0\.0\.1, but this"):
+            missing(table, [Task(run(7), ONCE)])
 
 
 def test_another_commit_of_the_same_version_is_not(tmp_path):
     other = Provenance(provenance().version, "0123456789")
     path = write(tmp_path / "r.parquet", evaluation(made_by=other))
     with opened(path) as table:
-        assert missing(table, [run(7)], ONCE) == [run(7)]
+        assert missing(table, [Task(run(7), ONCE)]) == [Task(run(7), ONCE)]
 
 
 def foreign(change):

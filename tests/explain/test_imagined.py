@@ -148,5 +148,6 @@ def test_a_weight_is_told_step_by_step() -> None:
     told = agent.explain.tell(agent.explain.weight(option, "push left")).splitlines()
     assert told[0].startswith(f"Option {option} expects ")
     assert told[1].startswith("1. push left: earns 1.00, to cart position ")
-    assert told[-2].startswith("It ends near ")
-    assert told[-1].startswith("So ")
+    assert told[-3].startswith("It ends near ")
+    assert told[-2].startswith("So ")
+    assert told[-1].startswith("Faithfulness, tried at ")

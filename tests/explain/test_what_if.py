@@ -9,7 +9,7 @@ from ao2viz.core.config import AnticipatingConfig
 from ao2viz.core.decision import DecideBy
 from ao2viz.core.mind import Mind
 from ao2viz.envs.ranges import ranges_by_id
-from ao2viz.explain.what_if import find_flips_at, tell_certificate, try_explanations
+from ao2viz.explain.what_if import find_flips_at, tell_certainty
 from ao2viz.explain.words import amount
 from tests.explain.agents import bundled, some_states
 
@@ -22,7 +22,7 @@ def test_the_amounts_that_are_called_certain_change_nothing(env_id):
     told = 0
     for state in some_states(agent, 60):
         flips = find_flips_at(mind, state, ranges)
-        text = tell_certificate(flips.certificate, mind.view.attention, spec)
+        text = tell_certainty(flips, mind.view.attention, spec)
         radius = flips.certificate.radius
         if radius == 0:
             assert text.startswith("Nothing is certain")
@@ -43,26 +43,38 @@ def test_where_options_vote_nothing_is_called_certain():
     mind = agent.explain.mind
     voting = Mind(replace(mind.config, decide_by=DecideBy.VOTE), mind._state)
     flips = find_flips_at(voting, some_states(agent)[3], ranges_by_id("CartPole-v1", 4))
-    text = tell_certificate(flips.certificate, mind.view.attention, agent.spec)
+    text = tell_certainty(flips, mind.view.attention, agent.spec)
     assert text.startswith("Nothing is certain at a distance")
 
 
-def test_an_agent_that_thinks_ahead_is_not_asked_for_flips():
+def test_of_an_agent_that_thinks_ahead_flips_are_tried_and_it_says_in_how_many_steps():
     agent = bundled("CartPole-v1")
     mind = agent.explain.mind
     assert isinstance(mind.config, AnticipatingConfig)
+    thinking = Mind(replace(mind.config, think_ahead=2), mind._state)
+    ranges, state = ranges_by_id("CartPole-v1", 4), some_states(agent)[3]
+    flips = find_flips_at(thinking, state, ranges, patience_s=60.0)
+    assert flips.steps == 200
+    assert flips.nearest is not None
+    chosen = thinking.act(state)
+    for both in flips.features:
+        for flip in (both.less, both.more):
+            if flip is None:
+                continue
+            there = state.copy()
+            there[flip.feature] = flip.beyond
+            assert thinking.act(there) == flip.action != chosen
+            there[flip.feature] = flip.border
+            assert thinking.act(there) == chosen
+            assert 0 < flip.tolerance == abs(flip.beyond - flip.border)
+    text = tell_certainty(flips, mind.view.attention, agent.spec)
+    assert text.startswith("Nothing is certain at a distance: it thinks ahead.")
+    assert "in 200 steps each way" in text
+
+
+def test_where_thinking_takes_too_long_to_try_it_says_so():
+    mind = bundled("CartPole-v1").explain.mind
+    assert isinstance(mind.config, AnticipatingConfig)
     thinking = Mind(replace(mind.config, think_ahead=5), mind._state)
-    with pytest.raises(ValueError, match="thinks ahead"):
-        find_flips_at(thinking, np.zeros(4), ranges_by_id("CartPole-v1", 4))
-
-
-def test_explanations_are_tried_on_decisions_of_the_whole_recording():
-    agent = bundled("CartPole-v1")
-    decisions = [decision for episode in agent.episodes for decision in episode.decisions]
-    found = try_explanations(
-        agent.explain.mind, agent.spec, decisions, ranges_by_id("CartPole-v1", 4)
-    )
-    assert found.parts.tried == 24
-    assert found.parts.share == found.lines.share == found.flips.share == 1
-    with pytest.raises(ValueError, match="Nothing is recorded"):
-        try_explanations(agent.explain.mind, agent.spec, [], ranges_by_id("CartPole-v1", 4))
+    with pytest.raises(ValueError, match="thinks so far ahead"):
+        find_flips_at(thinking, np.zeros(4), ranges_by_id("CartPole-v1", 4), patience_s=1e-6)

@@ -1,15 +1,18 @@
 """The whole agent: counted over states, checked by asking it, and honest about how often."""
 
 import json
+from collections.abc import Callable
 
 import numpy as np
 import pytest
 
 from ao2viz.agent import AO2
 from ao2viz.core.config import PaperConfig
+from ao2viz.explain.agreement import tell_faithfulness
 from ao2viz.explain.faithful import Agreement
 from ao2viz.explain.plain import to_plain
 from ao2viz.explain.whole import (
+    MOST_SEARCHED,
     compare_minds,
     find_highlights,
     find_roles,
@@ -19,6 +22,8 @@ from ao2viz.explain.whole import (
     radius_of,
     sample_states,
 )
+from ao2viz.explain.whole_telling import tell_roles
+from ao2viz.whole import WholeAgent
 from tests.explain.agents import bundled, hand_made, some_states
 
 
@@ -153,3 +158,69 @@ def test_only_what_json_can_say_leaves() -> None:
     assert to_plain({"a": (1, np.float64(np.nan), np.array([True]))}) == {"a": [1, None, [True]]}
     with pytest.raises(TypeError, match="there is a object in it"):
         to_plain([object()])
+
+
+def test_called_off_roles_tell_of_what_was_asked() -> None:
+    agent = bundled("MountainCar-v0")
+    mind, states = agent.explain.mind, sample_states(some_states(agent, step=3), 60)
+    whole = find_roles(mind, states)
+    asked: list[float] = []
+
+    def end_after(share: float) -> Callable[[float], bool]:
+        return lambda done: bool(asked.append(done)) or done < share
+
+    early = find_roles(mind, states, end_after(0.25))
+    assert early.states == 30
+    assert early.deciding.tolist() == find_roles(mind, states[:30]).deciding.tolist()
+    assert (early.tried, len(early.redundant)) == (0, 0)
+    late = find_roles(mind, states, end_after(0.75))
+    assert late.deciding.tolist() == whole.deciding.tolist()
+    assert 0 < late.tried < whole.tried == len(whole.deciding)
+    first = set(whole.deciding[: late.tried].tolist())
+    assert set(late.redundant.tolist()) == set(whole.redundant.tolist()) & first
+    assert f"of the {late.tried:,} that were tried before" in tell_roles(late)
+    assert asked == sorted(asked[:31]) + sorted(asked[31:])
+
+
+def test_called_off_in_the_midst_of_an_option_tells_of_the_options_before() -> None:
+    agent = bundled("CartPole-v1")
+    whole = agent.explain.whole
+    options = whole.roles().deciding[:3].tolist()
+    played: list[int] = []
+
+    def play_on(episodes: int) -> bool:
+        played.append(episodes)
+        return episodes < 5
+
+    told = whole.carriers(options, episodes=2, on_episode=play_on)
+    assert played == [1, 2, 3, 4, 5]
+    assert [one.option for one in told.muted] == [options[0]]
+    assert (told.episodes, told.is_complete) == (2, False)
+    expected = whole.carriers(options[:1], episodes=2)
+    assert told.muted == expected.muted
+    first = whole.carriers(options, episodes=2, on_episode=lambda _: False)
+    assert (first.episodes, first.muted, first.is_complete) == (1, (), False)
+
+
+def test_called_off_faithfulness_tells_of_what_was_tried() -> None:
+    whole = bundled("CartPole-v1").explain.whole
+    told = whole.faithfulness(lambda share: share < 0.21)  # In the midst of the second of five.
+    assert told.parts.tried == 400
+    assert 0 < told.lines.tried < 400
+    assert told.lines.share == 1.0
+    assert told.flips.tried == told.repeated.tried == 0
+    assert "lines tell the action" in tell_faithfulness(told)
+
+
+def test_of_very_many_states_some_are_searched_and_the_farthest_is_told_by_its_place() -> None:
+    n = 3 * MOST_SEARCHED
+    mind = hand_made([[0.0]], [[1, 0]])
+    agent = bundled("CartPole-v1")
+    values = np.zeros((n, 1))
+    values[-1] = 5.0
+    whole = WholeAgent(mind, agent.spec, (), lambda: agent.env, lambda: agent.explain.ranges)
+    whole.states = lambda: values
+    told = whole.coverage()
+    assert len(told.distances) == MOST_SEARCHED
+    assert told.farthest == n - 1
+    assert whole.attention().states == 1

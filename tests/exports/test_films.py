@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from PIL import Image, ImageSequence
 
+from ao2viz.figures import fonts, raster
 from ao2viz.store.saved import SavedAgent
 from tests.exports.agents import first_steps
 from tests.exports.conftest import Export
@@ -39,7 +40,8 @@ def test_mp4_has_a_picture_of_every_step(short: SavedAgent, write: Export) -> No
         assert track.codec_context.name == "h264"
         assert track.average_rate == 10
         frames = [frame.to_ndarray(format="rgb24") for frame in film.decode(video=0)]
-    assert len(frames) == STEPS == len(shares)
+    assert len(frames) == STEPS
+    assert shares == [step / STEPS for step in range(STEPS + 1)]
     assert frames[0].shape == (640, 1200, 3)
     assert all(shows_a_path(frame) and shows_the_cart(frame) for frame in frames)
     assert np.abs(frames[0].astype(int) - frames[-1]).max() > 100
@@ -75,3 +77,24 @@ def test_hostile_names_can_be_filmed(tiny: SavedAgent, write: Export) -> None:
     short = replace(tiny, episodes=(first_steps(tiny.episodes[0], 2),))
     with Image.open(write(short, "gif")) as film:
         assert film.n_frames == 2
+
+
+def test_names_in_other_scripts_are_no_boxes_in_pictures_and_films(
+    short: SavedAgent, write: Export, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn: list[str] = []
+    to_runs = raster.to_runs
+
+    def note(text: str, *, is_bold: bool = False) -> tuple[fonts.Run, ...]:
+        runs = to_runs(text, is_bold=is_bold)
+        drawn.extend(run.text for run in runs if run.font is None)
+        return runs
+
+    monkeypatch.setattr(raster, "to_runs", note)
+    names = ("推左 push", "推右 push")
+    named = replace(short, spec=replace(short.spec, title="小車", action_names=names))
+    for format in ("png", "path-png", "gif", "mp4"):
+        write(named, format, **({"step": 0} if format.endswith("png") else {}))
+    assert any("push" in text for text in drawn)
+    own = fonts.own_font(False)
+    assert all(fonts._has(own, letter) for text in drawn for letter in text)

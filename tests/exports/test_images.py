@@ -16,7 +16,7 @@ from ao2viz.figures.palette import action_colors
 from ao2viz.figures.pictures import draw_forest, draw_path
 from ao2viz.figures.raster import text_width, to_image, wrap
 from ao2viz.store.saved import SavedAgent
-from tests.exports.agents import HOSTILE_ACTIONS, HOSTILE_TITLE
+from tests.exports.agents import HOSTILE_ACTIONS, HOSTILE_TITLE, shipped
 from tests.exports.conftest import Export
 from tests.forests import no_options, random_view
 
@@ -151,3 +151,18 @@ def test_wrapped_lines_fit_and_lose_nothing(text: str, width: int) -> None:
     lines = wrap(text, 14, width)
     assert "".join(lines).replace(" ", "") == "".join(text.split())
     assert all(text_width(line, 14) <= width or len(line) == 1 for line in lines)
+
+
+def test_what_has_no_room_in_a_path_is_left_out_whole() -> None:
+    agent = shipped("MountainCar-v0")
+    said = [
+        text
+        for decision in agent.episodes[0].decisions
+        for text in texts(
+            ElementTree.fromstring(to_svg(draw_path(decision, agent.spec, agent.forest_view())))
+        )
+        if " now · " in text
+    ]
+    in_full = [text for text in said if text.endswith(" % of the distance")]
+    assert 0 < len(in_full) < len(said)
+    assert all(text.endswith(" %") for text in said if text not in in_full)

@@ -69,3 +69,9 @@ def test_latex_shows_units(cartpole: SavedAgent, write: Export) -> None:
     text = LatexNodes2Text().latex_to_text(write(cartpole, "latex", episode=0).read_text("utf-8"))
     assert "episode 0, seed" in text
     assert "°/s" in text
+
+
+def test_a_negative_return_has_a_real_minus_sign(pendulum: SavedAgent, write: Export) -> None:
+    for format in ("markdown", "html"):
+        page = write(pendulum, format).read_text("utf-8")
+        assert f"return −{-pendulum.episodes[1].total_reward:.6g} in 40 steps" in page

@@ -1,6 +1,7 @@
 """Figures: what they show, in which units, and in colours everybody can tell apart."""
 
 import colorsys
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -36,6 +37,14 @@ def test_returns_are_shown_raw_and_smoothed_over_steps_with_the_known_marks():
 def test_the_papers_score_is_a_line_with_a_real_minus():
     figure = returns_figure(history(10), pendulum())
     assert "paper −196.6" in [a.text for a in figure.layout.annotations]
+
+
+def test_words_of_lines_that_lie_close_stand_on_either_side_of_them():
+    spec = cartpole()
+    both = replace(spec, entry=replace(spec.entry, solved_at=195.0, paper_score=194.0))
+    upper, lower = returns_figure(history(10), both).layout.annotations
+    assert (upper.text, upper.y, upper.yanchor) == ("solved 195", 195.0, "bottom")
+    assert (lower.text, lower.y, lower.yanchor) == ("paper 194", 194.0, "top")
 
 
 def test_long_histories_are_thinned_but_keep_their_ends():

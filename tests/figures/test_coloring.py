@@ -99,3 +99,9 @@ def test_what_is_alike_everywhere_has_one_colour_and_no_warning():
     empty = random_view(0, roots=0)
     for coloring in Coloring:
         assert shade(empty, SPEC, coloring).colors.shape == (0, 3)
+
+
+def test_of_too_many_options_no_agreement_is_told(monkeypatch):
+    monkeypatch.setattr("ao2viz.figures.coloring.MOST_COMPARED", 20)
+    assert not np.isnan(find_agreement(random_view(20))).all()
+    assert np.isnan(find_agreement(random_view(21))).all()

@@ -36,6 +36,24 @@ def test_lines_levels_and_ticks_are_named():
     assert {"rising", "enough", "steps", "100", "1,000", "10,000"} <= set(found)
 
 
+@pytest.mark.parametrize("start", [1.0, 1_000.0])
+@pytest.mark.parametrize("height", [1.02, 0.98])
+def test_the_words_of_a_level_stand_where_no_line_crosses_them(start, height):
+    # The first line makes the axes; the other runs along the level, at one of its ends.
+    lines = [
+        Line("far", np.array([1.0, 10_000.0]), np.array([0.0, 0.2]), "#112233"),
+        Line("near", np.array([start, 5 * start]), np.array([height, height]), "#445566"),
+    ]
+    drawing = lines_drawing("title", "steps", lines, Level(1.0, "enough"), is_log=True)
+    (words,) = (s for s in drawing.shapes if isinstance(s, Text) and s.text == "enough")
+    near = [s for s in drawing.shapes if isinstance(s, Polyline)][1].points
+    first = words.x if words.anchor == "start" else words.x - 60
+    assert 0 <= first <= drawing.width - 60
+    is_beside = near[-1, 0] < first or near[0, 0] > first + 60
+    is_clear = not words.y - 13 <= near[0, 1] <= words.y
+    assert is_beside or is_clear
+
+
 def test_no_lines_are_refused():
     with pytest.raises(ValueError, match="Expected at least one line, but there are none"):
         lines_drawing("title", "steps", [], is_log=False)

@@ -3,6 +3,7 @@
 import html
 import itertools
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,12 +14,14 @@ from ao2viz.baselines.algorithm import Acting, Algorithm
 from ao2viz.core.config import Preset
 from ao2viz.core.decision import DecideBy
 from ao2viz.experiments.measure import Evaluation
+from ao2viz.experiments.table import read
 from ao2viz.paper.document import Paragraph, Section, Table, pictures_of, to_markdown, to_page
 from ao2viz.paper.findings import TITLE, report
 from ao2viz.paper.phases import find_phases
-from ao2viz.paper.plan import QUICK, make_tasks
+from ao2viz.paper.plan import FULL, QUICK, make_tasks
 from tests.experiments.evaluations import evaluation
 
+DOCS = Path(__file__).resolve().parents[2] / "docs" / "paper"
 TASKS = make_tasks(QUICK, 2, 1)
 COMMAND = "ao2viz paper --quick"
 
@@ -70,6 +73,21 @@ def markdown():
     return to_markdown(TITLE, report(ROWS, TASKS, COMMAND))
 
 
+def test_the_report_in_the_documentation_is_that_of_its_runs():
+    written = (DOCS / "report.md").read_text("utf-8")
+    command = "ao2viz paper --seeds 5 --rival-seeds 3 --out docs/paper"
+    sections = report(read(DOCS / "results.parquet"), make_tasks(FULL, 5, 3), command)
+
+    def less_versions(markdown: str) -> str:
+        return re.sub(r"This report was written with .*", "", markdown)
+
+    assert less_versions(to_markdown(TITLE, sections)) == less_versions(written)
+    pictures = pictures_of(sections)
+    assert set(pictures) == {path.name for path in DOCS.glob("*.svg")}
+    for name, svg in pictures.items():
+        assert svg == (DOCS / name).read_text("utf-8"), name
+
+
 def test_a_cell_holds_the_papers_figure_and_ours_and_marks_what_misses(markdown):
     ((_, best, ours, average, mean, iqm, other, seeds, *rest),) = lines(
         markdown, "Pendulum-v1", "AO2 paper"
@@ -86,7 +104,10 @@ def test_a_cell_holds_the_papers_figure_and_ours_and_marks_what_misses(markdown)
 
 
 def test_what_was_not_run_is_shown_as_not_run(markdown):
-    assert f"4 of {len(TASKS)} runs are done" in markdown
+    assert f"4 of {len(TASKS)} runs are done; what is missing" in markdown
+    run = {row.run for row in ROWS}
+    whole = report(ROWS, [task for task in TASKS if task.run in run], COMMAND)
+    assert "4 of 4 runs are done. Measured" in to_markdown(TITLE, whole)
     ((_, best, ours, average, mean, *_, seeds),) = lines(markdown, "Acrobot-v1", "DAC+PPO")
     assert (best, ours, average, mean, seeds) == ("−59.38", "–", "−69.24", "–", "0 of 1")
 

@@ -40,7 +40,10 @@ def test_the_page_tells_the_version_and_the_limits():
     assert f'"{manifest.FORMAT}"' in PAGE
     for limit in (archive.MAX_MEMBERS, manifest.MAX_EPISODES, saved.MAX_DEPTH, fields.MAX_TEXT):
         assert f"{limit:,} " in PAGE, limit
-    assert archive.MAX_FILE_BYTES == archive.MAX_ARRAY_BYTES == 512 * 2**20
+    limits = "512 MiB for the file, 1 GiB for all arrays in memory (512 MiB if it is uploaded"
+    assert limits in " ".join(PAGE.split())
+    assert (archive.MAX_FILE_BYTES, archive.MAX_ARRAY_BYTES) == (512 * 2**20, 2**30)
+    assert archive.MAX_STRANGE_BYTES == 512 * 2**20
     assert archive.MAX_MANIFEST_BYTES == 8 * 2**20
     for kind in GrowthKind:
         assert f"{kind.value} {kind.name.lower()}" in PAGE

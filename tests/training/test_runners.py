@@ -11,7 +11,7 @@ import pytest
 from ao2viz import AO2, Preset
 from ao2viz.training import serve
 from ao2viz.training.runner import InlineRunner, ProcessRunner, ThreadRunner
-from ao2viz.training.serve import MAX_INTERVAL_S, MIN_INTERVAL_S, SHORTEST_S, Pace
+from ao2viz.training.serve import LONGEST_S, MAX_INTERVAL_S, MIN_INTERVAL_S, SHORTEST_S, Pace
 from ao2viz.training.states import (
     MAX_LEARNING,
     MIN_LEARNING,
@@ -340,3 +340,13 @@ def test_inline_shows_what_is_there_now():
     assert runner.latest().status is RunStatus.PREPARING
     assert runner.latest() is runner.latest()
     assert runner.run_until_held().status is RunStatus.FINISHED
+
+
+@pytest.mark.parametrize("learning", [MIN_LEARNING, 0.8, USUAL_LEARNING, MAX_LEARNING])
+def test_showing_a_big_forest_takes_no_more_than_its_share(learning):
+    pace = Pace(learning)
+    for _ in range(2):
+        pace.note(began=10.0, ended=10.25)
+    assert pace.interval_s >= min(LONGEST_S, 0.25 / (1 - learning)) - 1e-9
+    pace.note(began=10.0, ended=70.0)
+    assert pace.interval_s <= LONGEST_S

@@ -21,11 +21,12 @@ from ao2viz.training.states import (
     Start,
     Step,
     Stop,
+    TrainOn,
     accepts,
 )
 from tests.training.workers import forests_equal, held, prepared, run, start
 
-ALL = [Start(), Resume(), Pause(), Step(), RunEpisode(), Stop(), SetSpeed(None),
+ALL = [Start(), Resume(), Pause(), Step(), RunEpisode(), TrainOn(9), Stop(), SetSpeed(None),
        SetShare(0.8), SetDecideBy(DecideBy.PATH), ChangeSettings({"slip": 0.1})]  # fmt: skip
 
 

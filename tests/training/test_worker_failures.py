@@ -1,7 +1,7 @@
 import pytest
 
 from ao2viz import AO2
-from ao2viz.training.states import Resume, RunStatus, Save, Start
+from ao2viz.training.states import Resume, RunStatus, Save, Start, TrainOn
 from tests.training.workers import QUICK, forests_equal, held, prepared, run, start
 
 
@@ -71,6 +71,23 @@ def test_a_saved_agent_goes_on(tmp_path):
     update = worker.update()
     assert update.status is RunStatus.FINISHED, update.message
     assert (update.first_step, update.total_steps, update.n_steps) == (300, 50, 350)
+    expected = AO2("tests.toy_envs:Corridor-v0", seed=3, **QUICK).learn(300).learn(50)
+    assert forests_equal(update.forest, expected.forest)
+
+
+def test_an_ended_run_goes_on_for_more_steps():
+    worker = held(RunStatus.FINISHED)
+    run_id = worker.update().run_id
+    worker.handle(TrainOn(0))
+    assert worker.status is RunStatus.FINISHED
+    assert "at least one step to take, but got 0" in worker.update().message
+    worker.handle(TrainOn(50))
+    assert worker.status is RunStatus.RUNNING
+    run(worker)
+    update = worker.update()
+    assert update.status is RunStatus.FINISHED, update.message
+    assert (update.first_step, update.total_steps, update.n_steps) == (300, 50, 350)
+    assert (update.run_id, len(update.seconds)) == (run_id, len(update.history))
     expected = AO2("tests.toy_envs:Corridor-v0", seed=3, **QUICK).learn(300).learn(50)
     assert forests_equal(update.forest, expected.forest)
 

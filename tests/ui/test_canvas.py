@@ -8,7 +8,7 @@ import pytest
 
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.figures.coloring import Coloring
-from ao2viz.figures.palette import ACTIONS, PATH, RAMP, UNTRIED
+from ao2viz.figures.palette import ACTIONS, DARK, LIGHT, UNTRIED
 from ao2viz.layout.discs import has_crowded, lay_out
 from ao2viz.layout.state_space import fit_axes
 from ao2viz.ui.gallery import Gallery
@@ -297,7 +297,14 @@ def bend(albedo: np.ndarray) -> np.ndarray:
     return 255 * np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
 
 
-@pytest.mark.parametrize("rgb", [*ACTIONS, *RAMP, PATH, UNTRIED, (216, 219, 224)])
+SHOWN = [
+    color
+    for palette in (DARK, LIGHT)
+    for color in (*palette.actions, *palette.ramp, *palette.votes, palette.path, palette.untried)
+]
+
+
+@pytest.mark.parametrize("rgb", [*SHOWN, DARK.middle, LIGHT.middle, LIGHT.imagined, LIGHT.disc])
 def test_colours_come_out_of_the_film_curve_as_the_legend_shows_them(rgb):
     albedo = to_albedo(np.array(rgb, np.uint8)).astype(float)
     off = np.abs(bend(albedo) - rgb)

@@ -13,14 +13,18 @@ from PIL import Image
 
 from ao2viz.agent import AO2
 from ao2viz.exports.formats import PURPOSES, Format, Scope, scopes_of
+from ao2viz.training.branching import Takeover
+from ao2viz.training.states import Pause
 from ao2viz.ui import exporting
+from ao2viz.ui.branches import Branch
 from ao2viz.ui.downloads import Notify, SaveFile
 from ao2viz.ui.jobs import Begin, Jobs
-from ao2viz.ui.questions import ChooseFormat, ChooseScope, Export
+from ao2viz.ui.questions import ChooseFormat, ChooseScope, Export, ExportOption, Task
 from ao2viz.ui.reduce import reduce
 from ao2viz.ui.session import Session
 from ao2viz.ui.view import project
 from ao2viz.ui.world import ShelfItem, World
+from tests.training.workers import prepared, start
 from tests.ui.agents import saved_agent
 
 FILE = Path("/agents/my =agent.ao2")
@@ -92,6 +96,18 @@ def test_a_moment_is_that_of_the_replay(w):
         assert image.width > 100
 
 
+def test_the_selected_option_is_saved_from_the_inspector(w):
+    session, effects = reduce(watching(), ExportOption(), w)
+    assert "Select an option first" in effects[0].body
+    file = written(watching(selected=0, export=Format.OPTION), w)
+    assert file.name == "my--agent-option-0.md"
+    assert file.content.decode().startswith("# Option 0")
+    session, (begin,) = reduce(watching(selected=0), ExportOption(), w)
+    assert (session.export, begin.task) == (Format.OPTION, Task.EXPORT)
+    told = json.loads(written(watching(selected=0, export=Format.OPTION_JSON), w).content)
+    assert told["option"]["option"] == 0
+
+
 def test_other_peoples_readers_read_it(w):
     graph = nx.read_graphml(io.BytesIO(written(watching(export=Format.GRAPHML), w).content))
     assert len(graph) == len(w.opened[FILE].forest_view())
@@ -111,7 +127,7 @@ def test_a_folder_comes_as_a_zip(w):
 @pytest.mark.parametrize(
     ("session", "opened", "words"),
     [
-        (Session(source=None), {}, "save it"),
+        (Session(source=None), {}, "no agent"),
         (watching(), {}, "no agent"),
         (watching(), {FILE: saved_agent()}, "no recorded episode"),
     ],
@@ -147,3 +163,36 @@ def test_an_export_that_is_called_off_ends_and_leaves_nothing(w, monkeypatch, tm
         begin.work(report)
     assert len(told) == 3
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_held_run_is_exported_as_it_is_then():
+    worker = prepared(start(total_steps=10_000))
+    while worker.update().n_steps < 60:
+        worker.advance(0.001)
+    running = World(update=worker.update())
+    told = written(Session(source=None, export=Format.JSON), running)
+    assert told == "Hold the run to export its agent as it is then."
+    worker.handle(Pause())
+    held = World(update=worker.update())
+    everything = written(Session(source=None, export=Format.JSON, scope=Scope.AGENT), held)
+    document = json.loads(everything.content)
+    assert everything.name == "Corridor-v0.json"
+    assert document["agent"]["steps"] == held.update.n_steps
+    one = written(Session(source=None, export=Format.JSON, scope=Scope.EPISODE), held)
+    (episode,) = json.loads(one.content)["episodes"]
+    assert [
+        step["decision"]["action"] for step in episode["steps"]
+    ] == held.update.episode.actions.tolist()
+
+
+def test_a_branch_is_not_taken_for_what_the_agent_did(w):
+    main = w.opened[FILE].episodes[0]
+    session = watching(export=Format.JSON, branch=Branch(main, (Takeover(2, 0),), main))
+    for scope in (Scope.EPISODE, Scope.MOMENT):
+        chosen = replace(session, scope=scope, export=format_of(scope))
+        assert "main line" in written(chosen, w)
+    assert len(json.loads(written(replace(session, scope=Scope.AGENT), w).content)["episodes"]) == 2
+
+
+def format_of(scope: Scope) -> Format:
+    return Format.PATH_SVG if scope is Scope.MOMENT else Format.JSON

@@ -12,6 +12,7 @@ from ao2viz.core.decision import NO_OPTION
 from ao2viz.envs.catalogue import Feature
 from ao2viz.explain.ahead import AheadEnd, look_ahead
 from ao2viz.explain.origin import Origin
+from ao2viz.explain.uses import Use, find_uses
 from ao2viz.layout.discs import lay_out
 from ao2viz.layout.state_space import fit_axes
 from ao2viz.ui import html_reasons
@@ -30,7 +31,6 @@ from ao2viz.ui.picture import draw
 from ao2viz.ui.replay_commands import ShowMoment
 from ao2viz.ui.session import Session
 from ao2viz.ui.thinker import NoAnswer, Thinker
-from ao2viz.ui.uses import Use, find_uses
 from ao2viz.ui.view import project
 from tests.forests import decision
 from tests.ui.test_reduce import after, episode, watching, world

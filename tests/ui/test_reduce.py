@@ -14,6 +14,7 @@ from ao2viz.training.states import (
     TRANSITIONS,
     Pause,
     Resume,
+    RunEpisode,
     RunStatus,
     Save,
     SetDecideBy,
@@ -21,6 +22,7 @@ from ao2viz.training.states import (
     Start,
     Step,
     Stop,
+    TrainOn,
 )
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.commands import (
@@ -43,7 +45,7 @@ from ao2viz.ui.commands import (
 )
 from ao2viz.ui.downloads import Notify
 from ao2viz.ui.look import Look
-from ao2viz.ui.reduce import PickOption, advance, follow, reduce, run_command
+from ao2viz.ui.reduce import PickOption, advance, follow, reduce
 from ao2viz.ui.replay_commands import SetPlaySpeed
 from ao2viz.ui.session import OTHER_ENV, Form, Place, Session
 from ao2viz.ui.view import project
@@ -192,11 +194,39 @@ def test_buttons_ask_what_fits_the_run(status, button, command):
 def test_a_button_is_enabled_exactly_if_the_table_allows_it(status):
     view = project(Session(), world(RunUpdate(status)))
     for button in RunButton:
-        legal = (status, run_command(button, status)) in TRANSITIONS
-        assert (button in view.enabled) == legal
-        if not legal:
-            effects = reduce(Session(), Press(button), world(RunUpdate(status)))[1]
+        effects = reduce(Session(), Press(button), world(RunUpdate(status)))[1]
+        if button in view.enabled:
+            kinds = {type(effect) for effect in effects} or {Save}  # It may ask first.
+            assert all((status, kind) in TRANSITIONS for kind in kinds)
+        else:
+            asked = {
+                RunButton.START: (Start,),
+                RunButton.TRAIN_ON: (TrainOn,),
+                RunButton.PAUSE: (Pause, Resume),
+                RunButton.STEP: (Step,),
+                RunButton.EPISODE: (RunEpisode,),
+                RunButton.STOP: (Stop,),
+                RunButton.SAVE: (Save,),
+            }[button]
+            assert not any((status, kind) in TRANSITIONS for kind in asked)
             assert isinstance(effects[0], Notify)
+
+
+def test_training_on_goes_on_with_the_run_that_ended_or_with_the_file_that_is_watched():
+    ended = world(RunUpdate(RunStatus.FINISHED))
+    live = Session(source=None, form=Form(steps=70))
+    assert reduce(live, Press(RunButton.TRAIN_ON), ended)[1] == (TrainOn(70),)
+    session, effects = reduce(watching(form=Form(steps=70)), Press(RunButton.TRAIN_ON), world())
+    assert session.source is None
+    agent = world().opened[watching().source]
+    assert effects == (
+        Start(agent.spec.env_id, agent.preset, agent.seed, 70, resume_from=watching().source),
+    )
+    elsewhere = replace(world(), env_ids=(f"mine:{agent.spec.env_id}",))
+    (start,) = reduce(watching(), Press(RunButton.TRAIN_ON), elsewhere)[1]
+    assert start.env_id == f"mine:{agent.spec.env_id}"
+    still_opening = replace(world(), opened={})
+    assert RunButton.TRAIN_ON not in project(watching(), still_opening).enabled
 
 
 def test_speed_and_decide_by_go_to_the_run():

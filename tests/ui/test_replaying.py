@@ -383,7 +383,7 @@ def test_what_goes_on_telling_of_now_says_so_while_the_past_is_shown(server):
     for step in (25, None):
         view = project(after(watching(selected=4), LookBack(step), life), life)
         why.sync(view, "")
-        inspect.sync(view, thinker)
+        inspect.sync(view, thinker, Jobs())
         what_if.sync(view, None, Jobs())
         said[step] = (why._line.content, inspect._line.content, what_if._line.content)
     thinker.close()

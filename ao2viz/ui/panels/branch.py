@@ -27,9 +27,8 @@ class BranchPanel:
         self._offered: tuple[object, ...] = ()
         press = partial(on_click, client_id=client_id, inbox=inbox)
         trigger = partial(on_trigger, client_id=client_id, inbox=inbox)
-        self._keys = [gui.add_command(f"Branch: take over with action {i}") for i in range(_LISTED)]
-        for i, key in enumerate(self._keys):
-            trigger(key, TakeOver(i))
+        self._gui, self._client_id, self._inbox = gui, client_id, inbox
+        self._keys: list[viser.CommandHandle] = []  # One for each action that the task has.
         self._line = gui.add_html("")
         self._facts = gui.add_html("")
         self._rejoin = gui.add_button(
@@ -93,9 +92,16 @@ class BranchPanel:
         return TakeOver(int(np.argmin(np.abs(grid[:, 0] - self._number.value))))
 
     def _name_keys(self, spec: TaskSpec | None, can_take_over: bool) -> None:
-        """Calls the actions in the palette by their names."""
-        names = spec.action_names if spec is not None else ()
-        for i, key in enumerate(self._keys):
-            is_action = i < len(names)
-            key.label = f"Branch: take over with {names[i] if is_action else f'action {i}'}"
-            key.disabled = not (is_action and can_take_over)
+        """Has a command in the palette for each action of the task, by its name."""
+        names = spec.action_names[:_LISTED] if spec is not None else ()
+        while len(self._keys) > len(names):
+            key = self._keys.pop()
+            self._inbox.drop_key(self._client_id, key)
+            key.remove()
+        for i, name in enumerate(names):
+            label = f"Branch: take over with {name}"
+            if i == len(self._keys):
+                self._keys.append(self._gui.add_command(label))
+                on_trigger(self._keys[i], TakeOver(i), self._client_id, self._inbox)
+            self._keys[i].label = label
+            self._keys[i].disabled = not can_take_over

@@ -8,12 +8,14 @@ import numpy as np
 import viser
 
 from ao2viz.core.decision import NO_OPTION
+from ao2viz.figures.behind import lay_behind
 from ao2viz.figures.charts import Over, options_figure, returns_figure, weights_figure
 from ao2viz.ui import html
 from ao2viz.ui.commands import ChooseOver, ChooseSmoothing, Download, Seek, Table
 from ao2viz.ui.html_episode import episode_chart, episode_cursor, episode_words
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.mirror import Mirror
+from ao2viz.ui.panels.learners import LearnersPanel
 from ao2viz.ui.view import View
 
 _EVERY_S = 1.0  # A growing chart is sent this often.
@@ -21,6 +23,7 @@ _PATIENCE_S = 2.5  # Plotly is 1.7 MB; the picture and the path come first.
 _CONFIG = {"displayModeBar": False, "responsive": True}
 _EMPTY = '<div class="ao"><p class="ao-dim">{}</p></div>'
 _HEADING = '<div class="ao"><h4>{}</h4></div>'
+_IN_A_ROW = 2
 _SMOOTHING: dict[str, int] = {"off": 1, "5": 5, "20": 20, "100": 100}
 
 
@@ -54,16 +57,19 @@ class ChartsPanel:
             "Mean of", tuple(_SMOOTHING), initial_value="20", hint="Episodes in the running mean."
         )
         put(self._smoothing, lambda v: ChooseSmoothing(_SMOOTHING[v]))
+        self._learners = LearnersPanel(gui, client_id, inbox)
         self._training = _TrainingCharts(gui, clock)
         gui.add_html(_HEADING.format("Take away"))
-        gui.add_html(html.row(3))
         self._downloads: dict[Table, viser.GuiButtonHandle] = {}
         self._keys: dict[Table, viser.CommandHandle] = {}
         for table, label in (
             (Table.TRAINING, "Training"),
             (Table.EPISODE, "Episode"),
             (Table.OPTION, "Option"),
+            (Table.LEARNERS, "Curves"),
         ):
+            if len(self._downloads) % _IN_A_ROW == 0:
+                gui.add_html(html.row(_IN_A_ROW))
             words = f"Saves the {table.value} as CSV."
             button = gui.add_button(f"{label} CSV", color="gray", hint=words)
             on_click(button, Download(table), client_id, inbox)
@@ -82,6 +88,7 @@ class ChartsPanel:
         self._over_shown.show_among(overs, over.value)
         for table, button in self._downloads.items():
             button.disabled = self._keys[table].disabled = table not in view.downloads
+        self._learners.sync(view.learners, over)
         self._training.sync(view, over)
 
     def _sync_episode(self, view: View) -> None:
@@ -118,8 +125,9 @@ class _TrainingCharts:
         now = self._clock()
         if now - self._began < _PATIENCE_S or now - self._sent_at < _EVERY_S:
             return
-        history = (view.history, over, view.charts)
-        option = (view.selected, view.forest)
+        theme = view.appearance.shown_theme
+        history = (view.history, over, view.charts, theme)
+        option = (view.selected, view.forest, theme)
         is_new_history = _differ(history, self._history)
         is_new_option = _differ(option, self._option)
         if not is_new_history and not is_new_option:
@@ -144,8 +152,11 @@ class _TrainingCharts:
                     handle.visible = False
             return
         smoothing = view.charts.smoothing
-        returns = returns_figure(view.history, view.spec, over, view.seconds, smoothing)
-        options = options_figure(view.history, over, view.seconds)
+        palette = view.appearance.shown_theme.palette
+        returns = returns_figure(view.history, view.spec, over, view.seconds, smoothing, palette)
+        if over is Over.STEPS:
+            lay_behind(returns, view.learners.laid, view.learners.here, palette)
+        options = options_figure(view.history, over, view.seconds, palette)
         if self._returns is None or self._options is None:
             self._returns = self._gui.add_plotly(returns, config=_CONFIG, aspect=0.72, order=1)
             self._options = self._gui.add_plotly(options, config=_CONFIG, aspect=0.55, order=2)
@@ -159,7 +170,9 @@ class _TrainingCharts:
             if self._weights is not None:
                 self._weights.visible = False
             return
-        figure = weights_figure(forest.weights[chosen], forest.visits[chosen], spec)
+        palette = view.appearance.shown_theme.palette
+        weights, visits = forest.weights[chosen], forest.visits[chosen]
+        figure = weights_figure(weights, visits, spec, palette)
         figure.update_layout(title={"text": f"Option {chosen}", "x": 0.02, "font": {"size": 12}})
         if self._weights is None:
             self._weights = self._gui.add_plotly(figure, config=_CONFIG, aspect=0.6, order=3)

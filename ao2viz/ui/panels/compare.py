@@ -1,5 +1,6 @@
 """The right dock, below: another agent beside the one that is watched."""
 
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
@@ -8,9 +9,12 @@ import viser
 from ao2viz.core.decision import Decision
 from ao2viz.envs.task import TaskSpec
 from ao2viz.experiments.duel import Beside, Duel
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.compare import Difference, tell_difference
+from ao2viz.explain.telling import CHECKS
 from ao2viz.explain.whole import Comparison
 from ao2viz.explain.words import capitalised
+from ao2viz.recording.episode import Episode
 from ao2viz.ui import html, html_compare
 from ao2viz.ui.commands import Command, Seek, Select
 from ao2viz.ui.comparing import Other, begin_beside, beside_subject
@@ -18,6 +22,7 @@ from ao2viz.ui.frames import BLANK, FrameStore
 from ao2viz.ui.inbox import Inbox, on_change, on_press, on_trigger
 from ao2viz.ui.jobs import Jobs, JobState
 from ao2viz.ui.mirror import Mirror
+from ao2viz.ui.panels.learners import BesideLearners
 from ao2viz.ui.panels.links import Links
 from ao2viz.ui.questions import CallOff, ChooseDuelSeed, ChooseOther, Fight, SeekDuel, Task
 from ao2viz.ui.thinker import Thinker
@@ -27,6 +32,9 @@ _NOBODY: str = "nobody"
 _MOST_SHOWN = 100  # Of each list; their number is told all the same.
 _LARGEST_SEED = 2**30 - 1
 _END: str = "End"
+
+FrameOf = Callable[[Episode, TaskSpec, int], tuple[bytes | None, str]]
+"""The picture of a step of an episode; see `FrameStore.get`."""
 
 
 class ComparePanel:
@@ -70,6 +78,7 @@ class ComparePanel:
         self._forests = gui.add_html("")
         self._lists = {kind: make(capitalised(kind.value), shown=2) for kind in Difference}
         self._settings = gui.add_html("")
+        self._learners = BesideLearners(gui, client_id, inbox)
         for words, command in (
             ("Compare: let both agents play from the same seeds", Fight()),
             ("Compare: end their playing", CallOff(Task.DUEL)),
@@ -82,6 +91,7 @@ class ComparePanel:
     def sync(self, view: View, thinker: Thinker, frames: FrameStore, jobs: Jobs) -> None:
         """Shows what is known by now; begins to compare when there is something new to."""
         self._position = view.transport.position
+        self._learners.sync(view.learners)
         self._sync_choice(view)
         other, spec, learned = view.other, view.spec, view.learned
         if other is None or other.agent is None or spec is None or learned is None:
@@ -100,9 +110,11 @@ class ComparePanel:
         job = jobs.look(Task.BESIDE, subject)
         if job is None:
             jobs.begin(begin_beside(learned, view.episode, view.recorded, other.agent))
-        self._sync_beside(job, spec)
+        faithful = thinker.faithfulness(learned, spec, view.recorded, CHECKS[Comparison])
+        self._sync_beside(job, spec, faithful)
         duel = jobs.look(Task.DUEL, (learned, other.agent.learned))
-        self._sync_duel(duel, other, spec, frames)
+        theme = view.appearance.shown_theme
+        self._sync_duel(duel, other, spec, partial(frames.get, theme=theme))
 
     def _why_not(self, view: View) -> str:
         if view.other is None:
@@ -143,9 +155,10 @@ class ComparePanel:
         for links in (self._steps, *self._lists.values()):
             links.sync([])
 
-    def _sync_beside(self, job: JobState | None, spec: TaskSpec) -> None:
+    def _sync_beside(self, job: JobState | None, spec: TaskSpec, faithful: object) -> None:
         told = job.latest if job is not None and isinstance(job.latest, Beside) else None
-        self._words.content = html_compare.beside(job)
+        counted = html.faithful(faithful if isinstance(faithful, Faithfulness) else None)
+        self._words.content = html_compare.beside(job) + counted
         if told is None or told is self._beside:
             return
         self._beside = told
@@ -164,7 +177,7 @@ class ComparePanel:
             )
 
     def _sync_duel(
-        self, job: JobState | None, other: Other, spec: TaskSpec, frames: FrameStore
+        self, job: JobState | None, other: Other, spec: TaskSpec, frame_of: FrameOf
     ) -> None:
         is_busy = job is not None and not job.is_done
         label = _END if is_busy else "Play both"
@@ -181,7 +194,7 @@ class ComparePanel:
         last = max(len(duel.one), len(duel.other))
         self._slider_shown.show_within(max(1, last), min(other.step, last))
         for image, episode in zip(self._pictures, (duel.one, duel.other), strict=True):
-            frame, _ = frames.get(episode, spec, min(other.step, len(episode)))
+            frame, _ = frame_of(episode, spec, min(other.step, len(episode)))
             if frame is not None:
                 image._data = frame
         self._part.disabled = duel.parting is None

@@ -24,6 +24,7 @@ from ao2viz.ui.commands import (
 from ao2viz.ui.dialog_commands import ChooseShare, Dialog, NextStage, OpenDialog
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.mirror import Mirror
+from ao2viz.ui.panels.page import ThemeButton
 from ao2viz.ui.session import OTHER_ENV
 from ao2viz.ui.view import View
 
@@ -37,9 +38,11 @@ _SPEEDS: dict[str, float | None] = {
     "3/s": 3.0,
 }
 _STAGE = "Takes a step and shows its stages one by one: sample, find, act, accommodate, …"
+_TRAIN_ON = "So many more steps with the agent that is watched, a file's or that of an ended run."
 _SHARES: dict[str, float] = {"99 %": 0.99, "95 %": 0.95, "80 %": 0.8, "50 %": 0.5}
 _BUTTONS: tuple[tuple[RunButton, str, viser.IconName, LiteralColor, HotkeyKey | None], ...] = (
     (RunButton.START, "Start", viser.Icon.PLAYER_PLAY, "green", "T"),
+    (RunButton.TRAIN_ON, "Train on", viser.Icon.SCHOOL, "gray", "T"),
     (RunButton.PAUSE, "Pause", viser.Icon.PLAYER_PAUSE, "gray", "H"),
     (RunButton.STOP, "Stop", viser.Icon.PLAYER_STOP, "gray", None),
     (RunButton.STEP, "Step", viser.Icon.PLAYER_SKIP_FORWARD, "gray", "N"),
@@ -66,11 +69,19 @@ class ControlPanel:
         self._buttons: dict[RunButton, viser.GuiButtonHandle] = {}
         self._keys: dict[RunButton, viser.CommandHandle] = {}
         for i, (button, label, icon, color, key) in enumerate(_BUTTONS):
-            if i in (0, 3):
-                gui.add_html(html.row(3 + i // 3))
-            self._buttons[button] = handle = gui.add_button(label, icon=icon, color=color)
+            if i in (0, 4):
+                gui.add_html(html.row(4))
+            hint = _TRAIN_ON if button is RunButton.TRAIN_ON else None
+            self._buttons[button] = handle = gui.add_button(
+                label, icon=icon, color=color, hint=hint
+            )
             on_click(handle, Press(button), client_id, inbox)
-            command = gui.add_command(f"Training: {button.value}", hotkey=key, icon=icon)
+            command = gui.add_command(
+                f"Training: {button.value}",
+                hotkey=key,
+                modifier="shift" if button is RunButton.TRAIN_ON else None,
+                icon=icon,
+            )
             on_trigger(command, Press(button), client_id, inbox)
             self._keys[button] = command
             if button is RunButton.STEP:
@@ -108,13 +119,14 @@ class ControlPanel:
         on_change(self._share, lambda v: ChooseShare(_SHARES[v]), client_id, inbox)
         self._settings = gui.add_button("Settings", icon=viser.Icon.ADJUSTMENTS, color="gray")
         on_click(self._settings, OpenDialog(Dialog.SETTINGS), client_id, inbox)
-        gui.add_html(html.row(2))
+        gui.add_html(html.row(3))
         for label, icon, dialog in (
             ("Library", viser.Icon.BOOKS, Dialog.LIBRARY),
             ("Help", viser.Icon.HELP, Dialog.HELP),
         ):
             button = gui.add_button(label, icon=icon, color="gray")
             on_click(button, OpenDialog(dialog), client_id, inbox)
+        self._theme = ThemeButton(gui, client_id, inbox)
         self._progress = gui.add_progress_bar(0.0)
         self._status = gui.add_html("")
         self._mirrors = {field: Mirror(handle) for field, handle in self._fields.items()}
@@ -134,6 +146,7 @@ class ControlPanel:
         self._fields[Field.CUSTOM_ENV].visible = form.env == OTHER_ENV
         for button, handle in self._buttons.items():
             handle.disabled = self._keys[button].disabled = button not in view.enabled
+        self._theme.sync(view)
         self._stage.disabled = self._stage_key.disabled = not view.can_walk
         pause = self._buttons[RunButton.PAUSE]
         is_held = run.status in (RunStatus.PAUSED, RunStatus.FAILED)

@@ -7,10 +7,16 @@ from viser._gui_handles import GuiModalHandle
 from viser._messages import HotkeyKey
 
 from ao2viz.ui import html
-from ao2viz.ui.dialog_commands import CloseDialog, Dialog, DownloadAgent, OpenDialog
+from ao2viz.ui.dialog_commands import (
+    CloseDialog,
+    Dialog,
+    DownloadAgent,
+    OpenDialog,
+)
 from ao2viz.ui.html_help import help_page
 from ao2viz.ui.inbox import Inbox, on_click, on_trigger
 from ao2viz.ui.panels.library import LibraryDialog
+from ao2viz.ui.panels.page import AppearanceFields
 from ao2viz.ui.panels.settings import SettingsDialog
 from ao2viz.ui.view import View
 
@@ -82,13 +88,15 @@ def add_close(gui: viser.GuiApi, client_id: int, inbox: Inbox) -> None:
 
 
 class HelpDialog:
-    """All keys and commands."""
+    """How the page looks, all keys and commands."""
 
     def __init__(self, gui: viser.GuiApi, client_id: int, inbox: Inbox, view: View) -> None:
-        del view
         gui.add_html(html.dialog())
+        add_close(gui, client_id, inbox)  # First, as in the library.
+        self._appearance = AppearanceFields(gui, client_id, inbox)
         gui.add_html(help_page(inbox.keys_of(client_id)))
-        add_close(gui, client_id, inbox)
+        self.sync(view)
 
     def sync(self, view: View) -> None:
-        """Nothing in it changes."""
+        """Shows what was chosen."""
+        self._appearance.sync(view)

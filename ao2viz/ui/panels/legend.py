@@ -4,6 +4,7 @@ import viser
 from viser._messages import HotkeyKey
 
 from ao2viz.ui import html, html_past
+from ao2viz.ui.close_up import CloseUp
 from ao2viz.ui.commands import Command, Fit, FocusPath, FocusSelection, TidyUp
 from ao2viz.ui.html_forest import legend, legend_size
 from ao2viz.ui.inbox import Inbox, on_click, on_trigger
@@ -39,16 +40,17 @@ class LegendPanel:
                 trigger = gui.add_command(f"Canvas: {words}", hotkey=key)
                 on_trigger(trigger, command, client_id, inbox)
 
-    def sync(self, view: View, picture: Picture | None) -> None:
+    def sync(self, view: View, picture: Picture | None, close_up: CloseUp | None = None) -> None:
         """Shows the legend of what is on the canvas."""
         forest = view.forest if view.back is None else view.back.moment.view
-        shown = (view.spec, forest, view.look, picture)
+        left_out = close_up.n_left_out if close_up is not None else 0
+        shown = (view.spec, forest, view.look, picture, left_out)
         if self._shown and all(a is b or a == b for a, b in zip(shown, self._shown, strict=True)):
             return
         self._shown = shown
         words = html_past.canvas_line(view)
         self._text.content = words + legend(
-            view.spec, forest, view.look, picture, html_past.say_grey(view.back)
+            view.spec, forest, view.look, picture, html_past.say_grey(view.back), left_out
         )
         size = legend_size(view.spec, forest, view.look, picture)
         self.size = size[0] + _GAP_PX, size[1] + _GAP_PX

@@ -16,7 +16,13 @@ class Links:
     """Places to go to, each with the words that say so."""
 
     def __init__(
-        self, gui: viser.GuiApi, title: str, client_id: int, inbox: Inbox, shown: int = _SHOWN
+        self,
+        gui: viser.GuiApi,
+        title: str,
+        client_id: int,
+        inbox: Inbox,
+        shown: int = _SHOWN,
+        more: str = "More",
     ) -> None:
         self._title = title
         self._links: dict[str, Command] = {}
@@ -26,7 +32,7 @@ class Links:
             button = gui.add_button("–", color="gray", visible=False)
             on_press(button, partial(self.nth, place), client_id, inbox)
             self._buttons.append(button)
-        self._rest = gui.add_dropdown("More", [_CHOOSE], visible=False)
+        self._rest = gui.add_dropdown(more, [_CHOOSE], visible=False)
         on_change(self._rest, self._links_get, client_id, inbox)
 
     def nth(self, place: int) -> Command | None:

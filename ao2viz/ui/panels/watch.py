@@ -8,7 +8,7 @@ from viser._messages import HotkeyKey
 
 from ao2viz.ui import html
 from ao2viz.ui.commands import ChooseEpisode, ChooseSource, Move, Seek, Transport
-from ao2viz.ui.frames import BLANK, BLANK_JPEG
+from ao2viz.ui.frames import BLANK, BLANK_JPEGS
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_trigger
 from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.replay_commands import SeekMoment, SetLoop, SetPlaySpeed
@@ -45,7 +45,7 @@ class WatchPanel:
         self._moved: tuple[tuple[int, int], float | None] = ((0, 0), None)  # Place, and since when.
         self._shelf: dict[str, ChooseSource] = {}
         self._episodes: tuple[str, ...] = ()
-        self._pictured: tuple[str, str] = ("", "")
+        self._pictured: tuple[object, ...] = ()
         gui.add_html(html.no_tab())
         self._source = gui.add_dropdown("Watch", [LIVE])
         on_change(self._source, self._to_source, client_id, inbox)
@@ -108,11 +108,12 @@ class WatchPanel:
             self._loop.color = color
         self._slider.disabled = not transport.is_enabled
         self._sync_slider(transport.last, transport.position)
-        pictured = view.forest_key[:2]
+        theme = view.appearance.shown_theme
+        pictured = (*view.forest_key[:2], theme)
         if frame is not None:
             self._image._data = frame
         elif pictured != self._pictured:
-            self._image._data = BLANK_JPEG
+            self._image._data = BLANK_JPEGS[theme]
         self._pictured = pictured
 
     def _sync_slider(self, last: int, position: int) -> None:

@@ -7,8 +7,8 @@ import viser
 from viser._messages import GuiSliderMark, HotkeyKey
 
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.agreement import Faithfulness
 from ao2viz.explain.ahead import Ahead
-from ao2viz.explain.faithful import Faithfulness
 from ao2viz.explain.flips import Flip, Flips
 from ao2viz.explain.nearest import NearestFlip
 from ao2viz.ui import html, html_past, html_reasons, html_what_if
@@ -16,6 +16,7 @@ from ao2viz.ui.commands import Command
 from ao2viz.ui.dials import Dial
 from ao2viz.ui.inbox import Inbox, on_change, on_click, on_press, on_trigger
 from ao2viz.ui.jobs import Jobs, JobState
+from ao2viz.ui.leaving import Leaving
 from ao2viz.ui.mirror import Mirror
 from ao2viz.ui.questions import CallOff, FindNearest, StopSupposing, Suppose, SupposeState, Task
 from ao2viz.ui.supposing import Answer, why_nothing
@@ -58,6 +59,7 @@ class WhatIfPanel:
         self._decision = gui.add_html("")
         self._place = gui.add_folder(None)
         self._dials: list[_DialRow] = []
+        self._leaving = Leaving()
         self._certainty = gui.add_html("")
         self._path = gui.add_html("")
         self._ahead = gui.add_html("")
@@ -74,8 +76,7 @@ class WhatIfPanel:
         answer = asked if isinstance(asked, Answer) else None
         self._sync_search(view, answer, jobs)
         self._reset.disabled = view.supposed is None
-        # Hides all dials as one: what is changed and removed within one message to the browser, as
-        # a dial is when the run goes on, is an error there.
+        self._leaving.tick()
         self._place.visible = answer is not None
         if answer is None or view.spec is None or view.observation is None:
             self._answer = None
@@ -97,7 +98,7 @@ class WhatIfPanel:
             return
         self._built = spec, dials
         for row in self._dials:
-            row.remove()
+            self._leaving.add(row)
         with self._place:
             self._dials = [
                 _DialRow(self._gui, spec, d, dial, self._client_id, self._inbox)
@@ -198,6 +199,7 @@ class _DialRow:
         self._buttons = [gui.add_button("–", color="gray", disabled=True) for _ in range(2)]
         for place, button in enumerate(self._buttons):
             on_press(button, partial(self._to_flip, place), client_id, inbox)
+        self._handles = (self._heading, self._slider, self._row, *self._buttons)
 
     def sync(self, value: float, seen: float, flips: Flips | None) -> None:
         """Shows a value in environment units, what was seen, and where the action flips."""
@@ -224,9 +226,14 @@ class _DialRow:
             for mark in marks
         )
 
+    def hide(self) -> None:
+        """Takes it out of sight."""
+        for handle in self._handles:
+            handle.visible = False
+
     def remove(self) -> None:
         """Takes it off the page."""
-        for handle in (self._heading, self._slider, self._row, *self._buttons):
+        for handle in self._handles:
             handle.remove()
 
     def _to_value(self, shown: float) -> Suppose:

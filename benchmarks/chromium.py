@@ -1,0 +1,33 @@
+"""A headless Chromium that draws in software, or not at all, and a count of what it draws."""
+
+import os
+import shutil
+import sys
+
+from playwright.sync_api import Browser, Playwright
+
+_NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+_FLAGS = [
+    "--use-gl=angle",
+    "--use-angle=swiftshader",
+    "--enable-unsafe-swiftshader",
+    "--disable-background-networking",
+    "--disable-component-update",
+    "--disable-sync",
+    "--no-first-run",
+]
+NO_DRAWING = """
+for (const context of [WebGLRenderingContext, WebGL2RenderingContext])
+  for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
+    if (context.prototype[name]) context.prototype[name] = () => {};
+"""
+"""Run before a page's own scripts: the calls that draw do nothing."""
+
+
+def launch(playwright: Playwright) -> Browser:
+    """Starts the Chromium or Chrome of this machine; without one there is nothing to measure."""
+    program = next(filter(None, map(shutil.which, _NAMES)), None)
+    if program is None:
+        sys.exit("No Chromium or Chrome found.")
+    flags = [*_FLAGS, *(["--no-sandbox"] if os.name == "posix" and os.getuid() == 0 else [])]
+    return playwright.chromium.launch(executable_path=program, args=flags)
