@@ -141,6 +141,10 @@ def _interrupts_held() -> Iterator[None]:
     if not hasattr(signal, "pthread_sigmask"):  # Windows.
         yield
         return
+    from multiprocessing import resource_tracker  # noqa: PLC0415  Windows has no need of it.
+
+    # Python's older ones let interrupts through when they start, and joblib would start it within.
+    resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

@@ -163,6 +163,28 @@ def test_a_killed_sweep_goes_on_with_what_is_missing(cli: Cli, notes: Path, tmp_
     assert figures(rows) == figures(read(tmp_path / "whole.parquet"))
 
 
+def test_an_interrupt_of_its_workers_alone_ends_nothing(notes: Path, tmp_path: Path) -> None:
+    """In a terminal Ctrl-C reaches them too, at work or not; only the command decides on it."""
+    (notes / "be slow").touch()
+    process = subprocess.Popen(
+        [sys.executable, "-m", "ao2viz", "sweep", "noting:Noting-v0", "--seeds", "0:4", *SMALL],
+        cwd=tmp_path,
+        env=environment(tmp_path),
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    while len(workers := {int(note.name.split("-")[0]) for note in notes.glob("*-*")}) < 2:
+        assert process.poll() is None, process.communicate()
+        time.sleep(0.02)
+    for worker in workers:
+        os.kill(worker, signal.SIGINT)
+    output, errors = process.communicate(timeout=TIMEOUT_S)
+    assert process.returncode == 0, errors
+    assert "4 of 4 runs are in r.parquet." in output
+    assert "Traceback" not in errors
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
 def test_an_interrupt_keeps_what_is_finished_and_says_how_to_go_on(
     notes: Path, tmp_path: Path, number: signal.Signals, code: int
