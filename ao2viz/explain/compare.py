@@ -132,7 +132,7 @@ def _changed(one: Mind, other: Mind, pairs: NDArray[np.int64]) -> list[OptionDif
     found = []
     for place in np.flatnonzero(change > _EQUAL * scale).tolist():
         here, there = pairs[place].tolist()
-        actions = int(one.view.best_actions[here]), int(other.view.best_actions[there])
+        actions = one.view.best_action_of(here), other.view.best_action_of(there)
         kind = Difference.REWEIGHTED if actions[0] == actions[1] else Difference.TURNED
         found.append(OptionDifference(kind, here, there, float(change[place]), *actions))
     return found

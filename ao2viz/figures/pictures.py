@@ -270,7 +270,7 @@ def _preference(option: int, view: ForestView, colors: NDArray[np.uint8]) -> NDA
     is_known = 0 <= option < len(view.parents) and view.is_alive[option]
     if not is_known or not view.visits[option].any():
         return np.array(UNTRIED, np.uint8)
-    return colors[int(view.best_actions[option])]
+    return colors[view.best_action_of(option)]
 
 
 def _dot(x: float, y: float, color: NDArray[np.uint8]) -> Dots:

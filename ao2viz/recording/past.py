@@ -90,6 +90,14 @@ class Past:
             revision=self.now.revision,
         )
 
+    @cached_property
+    def by_end(self) -> NDArray[np.int64]:
+        """[N] all options that there ever were: first those that still live, then the others.
+
+        Whoever shows many moments in this order changes few rows from one to the next.
+        """
+        return np.argsort(~self.now.is_alive, kind="stable")
+
     def _structure(self, step: int) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         until = int(np.searchsorted(self.steps, step, side="right"))
         kinds, options = self.kinds[:until], self.options[:until]

@@ -102,7 +102,7 @@ class Gallery:
         known = self._drawn.get((key, look))
         if known is not None and known[0][0] is view and known[0][1] is laid:
             return known[1]
-        picture = draw(view, laid.ground, spec, look)
+        picture = draw(view, laid.ground, spec, look, order=past.by_end)
         self._drawn[(key, look)] = ((view, laid), picture)
         return picture
 

@@ -162,7 +162,7 @@ def option(
 def _action_bars(chosen: int, view: ForestView, spec: TaskSpec) -> str:
     weights, visits = view.weights[chosen], view.visits[chosen]
     low, high = float(weights.min()), float(weights.max())
-    best = int(view.best_actions[chosen])
+    best = view.best_action_of(chosen)
     bars = []
     told = told_apart(*weights.tolist())
     for i, color in enumerate(colors_of(spec)):
@@ -182,7 +182,7 @@ def _action_bars(chosen: int, view: ForestView, spec: TaskSpec) -> str:
 
 def related(chosen: int, view: ForestView, spec: TaskSpec) -> str:
     """The words of a button that leads to an option."""
-    best = int(view.best_actions[chosen])
+    best = view.best_action_of(chosen)
     if not view.visits[chosen].any():
         return f"{chosen} · has tried nothing"
     return f"{chosen} · {spec.action_names[best]} {number(float(view.weights[chosen, best]))}"
@@ -191,7 +191,7 @@ def related(chosen: int, view: ForestView, spec: TaskSpec) -> str:
 def _dot(option: int, colors: list[str], view: ForestView) -> str:
     if not view.visits[option].any():
         return to_css(DARK.untried, LIGHT.untried)
-    return colors[int(view.best_actions[option])]
+    return colors[view.best_action_of(option)]
 
 
 def colors_of(spec: TaskSpec) -> list[str]:

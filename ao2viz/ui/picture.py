@@ -34,7 +34,7 @@ class Picture:
 
     ground: Ground
     detail: Detail
-    drawn: NDArray[np.int64]  # [M] ids that have a shape or a dot, in order of age.
+    drawn: NDArray[np.int64]  # [M] ids that have a shape or a dot, by age unless told otherwise.
     drawn_sizes: NDArray[np.float32]  # [M] radii of these; roots that stand for more are bigger.
     is_flat: bool  # All on the plane z = 0, to be seen from above.
     positions: NDArray[np.float32]  # [N, 3] also of hidden options; 0 where cleansed.
@@ -117,8 +117,18 @@ def draw(
     spec: TaskSpec,
     look: Look,
     agreement: NDArray[np.float64] | None = None,
+    order: NDArray[np.int64] | None = None,
 ) -> Picture:
-    """The arrays of a forest whose ground is known; `agreement` only for that colouring."""
+    """The arrays of a forest whose ground is known.
+
+    Args:
+        view: The forest.
+        ground: Where options stand.
+        spec: Names its actions.
+        look: How it is seen.
+        agreement: [N] only for that colouring.
+        order: [N] in which options are drawn, if not by age.
+    """
     positions, stands = _places(view, ground, look)
     n = len(stands)
     schemas = schemas_of(view)[:n]
@@ -139,14 +149,15 @@ def draw(
     n_wanted = int(np.count_nonzero(shown))
     detail = detail_for(n_wanted)
     outline = _outline(ground, positions, stands)
-    drawn, drawn_sizes = np.arange(n), sizes
+    drawn = np.arange(n) if order is None else order[order < n]
+    drawn_sizes = sizes[drawn]
     if detail is Detail.ROOTS:
         drawn = choose_roots(np.flatnonzero(shown & is_root), schemas, shown)
         ends = outline[:, :3] + outline[:, 3:], outline[:, :3] - outline[:, 3:]
         symbol = float((ends[0].max(axis=0) - ends[1].min(axis=0)).max()) * _SYMBOL
         drawn_sizes = np.full(len(drawn), max(_FOLDED_SIZE, symbol), np.float32)
     if isinstance(ground, Layout) and detail is Detail.FULL:
-        children = np.flatnonzero(shown & ~is_root)
+        children = drawn[(shown & ~is_root)[drawn]]
         edge_ends = np.column_stack([view.parents[children], children])
     return Picture(
         ground=ground,

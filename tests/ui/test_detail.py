@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.forest import ForestView
 from ao2viz.layout.discs import lay_out
-from ao2viz.ui import detail
-from ao2viz.ui.chunks import AT_A_TIME, CHUNK
+from ao2viz.ui import chunks, detail
+from ao2viz.ui.chunks import AT_A_TIME, CHUNK, _Dots
 from ao2viz.ui.close_up import WHILE_PLAYING, Focus, active_in, find_close_up
 from ao2viz.ui.detail import MOST_DOTS, MOST_SHAPES, Detail, choose_roots, detail_for
 from ao2viz.ui.gallery import Gallery
@@ -205,14 +205,21 @@ class Wired:
         self.messages = self.n_bytes = 0
         return sent
 
-    def shown(self) -> list[tuple[np.ndarray, ...]]:
-        """Every dot and shape as the browser has it."""
-        return [
-            (chunk._dots.points, chunk._dots.colors)
-            if hasattr(chunk, "_dots")
-            else (chunk._nodes.batched_positions, chunk._nodes.batched_scales)
-            for chunk in self.canvas._chunks._chunks
-        ]
+    def shown(self) -> set[tuple[float, ...]]:
+        """What there is to be seen of every dot, shape and edge, as the browser has it."""
+        seen: list[np.ndarray] = []
+        for kind in self.canvas._chunks._chunks.values():
+            for chunk in kind.values():
+                if isinstance(chunk, _Dots):
+                    dots = chunk._dots
+                    seen += [np.c_[dots.points, dots.colors]] if dots.visible else []
+                    continue
+                nodes, edges = chunk._nodes, chunk.edges
+                if nodes.visible:
+                    scales, colors = nodes.batched_scales[:, None], nodes.batched_colors
+                    seen.append(np.c_[nodes.batched_positions, scales, colors][scales[:, 0] > 0])
+                seen += [edges.points.reshape(-1, 6)] if edges.visible else []
+        return {tuple(row) for part in seen for row in part.tolist()}
 
 
 @pytest.fixture
@@ -282,21 +289,61 @@ def test_one_call_sends_a_bounded_part_of_a_picture(wire: Wired):
     assert calls == -(-100 // AT_A_TIME) - 1
 
 
-def test_who_comes_late_sees_what_the_others_see(wire: Wired, other_wire: Wired):
-    view = big_view(45_000)
+@pytest.mark.parametrize("seed", range(6))
+def test_who_comes_late_sees_what_the_others_see(
+    few, monkeypatch, wire: Wired, other_wire: Wired, seed
+):
+    """However a person went through a past, its looks and its neighbours."""
+    monkeypatch.setattr(chunks, "CHUNK", 8)
+    monkeypatch.setattr(chunks, "AT_A_TIME", 3)
+    rng = np.random.default_rng(seed)
+    view, other = random_view(200), random_view(75, seed=1)
+    grounds = {id(view): lay_out(view), id(other): lay_out(other)}
+    picture = None
+    for _ in range(25):
+        forest = view if rng.random() < 0.8 else other
+        n = len(forest.parents)
+        is_alive = np.arange(n) < rng.integers(0, n + 1)
+        is_alive &= (rng.random(n) < 0.95) | (forest.parents == NO_OPTION)
+        then = replace(forest, is_alive=is_alive)
+        order = rng.permutation(n) if rng.random() < 0.3 else None
+        look = Look(arrangement=Arrangement.CONES if rng.random() < 0.2 else Arrangement.DISCS)
+        picture = draw(then, grounds[id(forest)], SPEC, look, order=order)
+        wire.canvas.sync(picture, None, None)  # The rest of it may never be sent.
+    wire.show(picture)
+    other_wire.show(picture)
+    assert wire.shown() == other_wire.shown()
+    assert picture is not None
+    n_wanted = int(np.count_nonzero(picture.sizes))
+    if detail_for(n_wanted) is Detail.DOTS:
+        assert len(wire.shown()) == n_wanted
+
+
+def test_a_move_through_the_past_sends_what_came_or_went(wire: Wired):
+    """Not what stands beside it, and nothing a second time."""
+    n = 40_000
+    view, rng = big_view(n), np.random.default_rng(0)
     ground = lay_out(view)
-    for n in (300, 15_000, 25_000, 44_000):  # Shapes first, then dots.
-        early = replace(view, is_alive=np.arange(45_000) < n)
-        wire.canvas.sync(draw(early, ground, SPEC, Look()), None, None)
-    last = draw(view, ground, SPEC, Look())
-    wire.show(last)
-    other_wire.show(last)
-    assert len(wire.shown()) == 45
-    for mine, theirs in zip(wire.shown(), other_wire.shown(), strict=True):
-        for one, other in zip(mine, theirs, strict=True):
-            np.testing.assert_array_equal(one, other)
-    dots = np.concatenate([points[:, :2] for points, _ in wire.shown()])
-    np.testing.assert_allclose(dots, last.positions[:, :2], rtol=1e-5)
+    ends = np.where(rng.random(n) < 0.01, np.arange(n) + rng.integers(1, n, n), 2 * n)
+    order = np.argsort(ends <= n, kind="stable")
+
+    def at(step: int) -> Picture:
+        then = replace(view, is_alive=(np.arange(n) < step) & (ends > step))
+        return draw(then, ground, SPEC, Look(), order=order)
+
+    def sent_by(step: int) -> int:
+        wire.sent()
+        wire.show(at(step))
+        return wire.sent()[1]
+
+    room = CHUNK * 15 + 500  # A chunk of dots, and the discs of roots.
+    sent_by(39_900)
+    assert 0 < sent_by(30_100) <= 2 * room  # Where the options end, and those that left.
+    assert 0 < sent_by(39_500) <= 2 * room
+    assert sent_by(10_500) > 5 * room  # As shapes, for the first time.
+    assert sent_by(30_200) <= 2 * room
+    assert sent_by(10_700) <= 3 * 2 * CHUNK * 28  # Shapes and edges where they end.
+    assert wire.show(at(30_200)) <= 2
 
 
 def test_a_big_forest_is_laid_out_while_the_screen_goes_on():

@@ -343,6 +343,21 @@ def test_only_what_stood_is_drawn_and_it_stands_where_it_always_stands():
     gallery.close()
 
 
+def test_what_goes_away_later_is_drawn_last_so_that_its_going_changes_little():
+    life, gallery = lived(), Gallery()
+    view = project(after(watching(), LookBack(95), life), life)
+    assert view.back is not None
+    assert view.spec is not None
+    past = view.back.past
+    survivors = np.array([True, True, False, True, True])
+    past = replace(past, now=replace(past.now, is_alive=survivors))
+    then = view.back.moment.view
+    picture = gallery.get_past(("past file", "", 0), past, then, view.spec, view.look)
+    assert picture is not None
+    assert picture.drawn.tolist() == [0, 1, 3, 4, 2]
+    gallery.close()
+
+
 @pytest.fixture(scope="module")
 def server() -> Iterator[viser.ViserServer]:
     made = make_server("127.0.0.1", 0)
