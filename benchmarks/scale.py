@@ -7,8 +7,9 @@ once), saved to real files, shown by the real program in a process of its own to
 Chromium. Bytes are counted between the two, the server's processor time by its process, what the
 browser does by the page itself. For the first opening and for turning the forest the page is drawn,
 in software where there is no graphics card; everything else is measured with drawing stubbed, as
-else it is the drawing that is measured. While a page that comes is measured, the one before it
-hardly works, as if on a machine of its own. Each size is measured once, with a fresh server.
+else it is the drawing that is measured. While a page that comes is measured, the one that was there
+before gets only what nobody else wants of the processors, as if on a machine of its own. Each size
+is measured once, with a fresh server.
 """
 
 import argparse
@@ -24,11 +25,11 @@ from pathlib import Path
 
 import numpy as np
 import psutil
-from playwright.sync_api import Browser, sync_playwright
+from playwright.sync_api import Browser, Playwright, sync_playwright
 
 from ao2viz.ui.detail import Detail, detail_for
 from benchmarks.big_agents import make_agent_file
-from benchmarks.chromium import launch
+from benchmarks.chromium import launch, step_back
 from benchmarks.machine import describe_run
 from benchmarks.scale_page import Opening, Visit, visiting
 from benchmarks.wire import Wire
@@ -97,12 +98,12 @@ def serving(path: Path) -> Iterator[Server]:
             process.terminate()
 
 
-def measure(browser: Browser, options: int, path: Path) -> dict[str, str]:
+def measure(playwright: Playwright, options: int, path: Path) -> dict[str, str]:
     """Everything about one size, in words."""
     detail = detail_for(options)
     least = _FEWEST_ROOTS + 256 if detail is Detail.ROOTS else options
     told = {"file, MB": f"{path.stat().st_size / 1e6:.1f}", "drawn": detail.value}
-    with serving(path) as server:
+    with launch(playwright) as browser, serving(path) as server:
         told["program started, s"] = f"{server.started_s:.1f}"
         with visiting(browser, server.address, draws=True) as visit:
             opening = visit.wait_until_drawn(least)
@@ -121,27 +122,40 @@ def measure(browser: Browser, options: int, path: Path) -> dict[str, str]:
             told |= _tell_coming(visit.wait_until_drawn(least), "nobody else is there")
             visit.dismiss_notices()
             told |= _play(server, [visit], "one browser")
-            with visit.elsewhere():
-                told |= _join(browser, server, least, "another plays")
+        with launch(playwright) as elsewhere, watching(elsewhere, server, least) as other:
+            step_back(elsewhere)
+            step = other.step()
+            told |= _join(browser, server, least, "another plays")
+            if other.step() <= step:
+                raise RuntimeError("The other did not play any more.")
+        with watching(browser, server, least) as visit:
             with contextlib.ExitStack() as stack:
                 others = [
-                    stack.enter_context(visiting(browser, server.address, draws=False))
+                    stack.enter_context(watching(browser, server, least))
                     for _ in range(_BROWSERS - 1)
                 ]
-                for other in others:
-                    other.wait_until_drawn(least)
                 told |= _play(server, [visit, *others], f"{_BROWSERS} browsers")
             visit.press("p")
             told |= _turn(visit, "drawing stubbed")
             server.wait_for_rest()
             told |= _idle(server, visit)
             told |= _scrub(server, visit)
-            if detail is not Detail.ROOTS:
-                visit.train_on()
-                with visit.elsewhere():
-                    told |= _join(browser, server, least, "it learns on")
+        if detail is not Detail.ROOTS:
+            with launch(playwright) as elsewhere, watching(elsewhere, server, least) as other:
+                other.train_on()
+                step_back(elsewhere)
+                told |= _join(browser, server, least, "it learns on")
         told["server's memory at the end, MB"] = f"{server.megabytes():.0f}"
     return told
+
+
+@contextlib.contextmanager
+def watching(browser: Browser, server: Server, least: int) -> Iterator[Visit]:
+    """A page that has drawn all, and plays."""
+    with visiting(browser, server.address, draws=False) as visit:
+        visit.wait_until_drawn(least)
+        visit.dismiss_notices()
+        yield visit
 
 
 def _turn(visit: Visit, how: str) -> dict[str, str]:
@@ -235,12 +249,10 @@ def main() -> None:
     arguments = parser.parse_args()
     files = [make_agent_file(options, arguments.folder) for options in arguments.sizes]
     with sync_playwright() as playwright:
-        browser = launch(playwright)
         columns = []
         for options, path in zip(arguments.sizes, files, strict=True):
-            columns.append(measure(browser, options, path))
+            columns.append(measure(playwright, options, path))
             print(f"{options:,}: {columns[-1]}", file=sys.stderr, flush=True)
-        browser.close()
     print(describe_run("benchmarks.scale"))
     print("Acrobot-v1, seed 0, each size once.\n")
     print("| | " + " | ".join(f"{options:,} options" for options in arguments.sizes) + " |")

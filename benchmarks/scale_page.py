@@ -19,17 +19,20 @@ _MARKS = 32
 """Instances of the nodes that hold the marks of the path; no other node has as many."""
 _BULK = 10_000
 """Bytes of a frame beside the one before: a chunk of the forest changes more, the path less."""
+_MANY = 500
+"""Shapes more or fewer than in the frame before: a part of the forest has come or gone."""
 # Of every frame: when it was, how many shapes it drew, and whether the path's marks were in it.
 # Frames that draw as many as the one before are only counted. `bytes`: what the last frame handed
 # to the graphics card, in which order to draw alone takes some; `bulk`: when that last differed
 # much from the frame before, as when a part of the forest is new; `typed`: when a field was last
 # typed into.
-_COUNTING = """
+_COUNTING = (
+    """
 (() => {
   const seen = window.seen = {
     frames: 0, changes: [], longest: 0, long: 0, bytes: 0, bulk: 0, typed: 0,
   };
-  let shapes = 0, marks = 0, before = "", bytes = 0;
+  let shapes = 0, last = 0, marks = 0, before = "", bytes = 0;
   const now = () => (performance.timeOrigin + performance.now()) / 1000;
   addEventListener("input", () => { seen.typed = now(); }, true);
   for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
@@ -58,6 +61,8 @@ _COUNTING = """
     bytes = 0;
     if (shapes) {
       seen.frames += 1;
+      if (Math.abs(shapes - last) > MANY) seen.bulk = now();
+      last = shapes;
       const drawn = `${shapes} ${marks > 0}`;
       if (drawn !== before) seen.changes.push([now(), shapes, marks]);
       before = drawn;
@@ -71,17 +76,10 @@ _COUNTING = """
     seen.longest = Math.max(seen.longest, entry.duration);
   })).observe({entryTypes: ["longtask"]});
 })();
-""".replace("MARKS", str(_MARKS)).replace("BULK", str(_BULK))
-
-
-# Pages that share the processors with one that is measured draw two frames a second meanwhile.
-_SLOWING = """
-(() => {
-  const soon = window.requestAnimationFrame.bind(window);
-  window.requestAnimationFrame = draw =>
-    window.isSlow ? setTimeout(() => soon(draw), 500) : soon(draw);
-})();
-"""
+""".replace("MARKS", str(_MARKS))
+    .replace("BULK", str(_BULK))
+    .replace("MANY", str(_MANY))
+)
 
 
 @dataclass(frozen=True)
@@ -180,18 +178,6 @@ class Visit:
         pause = self.page.get_by_role("button", name="Pause", exact=True)
         pause.and_(self.page.locator(":enabled")).wait_for(timeout=1000 * _PATIENCE_S)
 
-    @contextlib.contextmanager
-    def elsewhere(self) -> Iterator[None]:
-        """Takes little of the processors, as if the page were on a machine of its own.
-
-        It gets all that it would get there, and takes it in, but hardly draws.
-        """
-        self.page.evaluate("window.isSlow = true")
-        try:
-            yield
-        finally:
-            self.page.evaluate("window.isSlow = false")
-
     def dismiss_notices(self) -> None:
         """Closes what pops up, as viser does about drawing in software."""
         self.page.evaluate(
@@ -218,7 +204,6 @@ def visiting(browser: Browser, address: str, *, draws: bool) -> Iterator[Visit]:
     page = context.new_page()
     if not draws:
         page.add_init_script(NO_DRAWING)
-    page.add_init_script(_SLOWING)
     page.add_init_script(_COUNTING)
     began = time.time()
     page.goto(address, timeout=1000 * _PATIENCE_S)
