@@ -13,6 +13,7 @@ import logging
 import math
 import secrets
 import threading
+import warnings
 from collections.abc import Callable, Iterator
 from contextvars import ContextVar
 from http.cookies import CookieError, SimpleCookie
@@ -157,6 +158,8 @@ def make_server(host: str, port: int, token: str | None = None) -> viser.ViserSe
     with _constructing, _guarded_serve(gate), contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=host, port=port, label="ao2viz", verbose=False)
     _filter_messages(server)
+    # A browser may go while its screen is being brought up to date; that is nobody's mistake.
+    warnings.filterwarnings("ignore", r"Queued a \w+ on a closed connection", UserWarning)
     return server
 
 

@@ -336,3 +336,11 @@ def test_viser_still_has_the_private_things_that_this_rests_on():
 
 def test_serve_is_itself_again_afterwards(server):
     assert websockets.asyncio.server.serve.__module__.startswith("websockets")
+
+
+def test_a_browser_that_goes_while_something_is_sent_causes_no_warning(recwarn):
+    server = make_server("127.0.0.1", 0)
+    words = server.gui.add_html("here")
+    server.stop()
+    words.content = "gone"
+    assert [str(one.message) for one in recwarn if "closed connection" in str(one.message)] == []
