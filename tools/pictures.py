@@ -27,11 +27,14 @@ from ao2viz.ui.app import Dashboard
 from ao2viz.ui.dialog_commands import Dialog
 from ao2viz.ui.frames import BLANK_JPEGS
 from ao2viz.ui.view import View
+from benchmarks.big_agents import make_agent_file
 from benchmarks.chromium import launch
 
 IMAGES = Path(__file__).resolve().parent.parent / "docs" / "images"
 SIZE = {"width": 1440, "height": 810}
 MOST_BYTES = 200_000
+HUGE = "Acrobot-v1-100000"
+"""An agent too big to come with the app: it is grown, in a minute, when its picture is taken."""
 _PATIENCE_S = 180.0
 _HINT_IS_GONE = """localStorage.setItem("viser-user:ao2viz", '{"hint_is_gone": true}')"""
 
@@ -132,6 +135,12 @@ def _state_space(visit: Visit) -> None:
 def _cones(visit: Visit) -> None:
     visit.tab("Forest")
     visit.choose("Layout", "cones")
+
+
+def _huge(visit: Visit) -> None:
+    visit.tab("Forest")
+    visit.wait_for_text("dots of one size")
+    visit.page.wait_for_timeout(10_000)  # Drawn in software a frame takes half a second.
 
 
 def _settings(visit: Visit) -> None:
@@ -248,6 +257,7 @@ SCENES: dict[str, tuple[Scene, dict[str, object]]] = {
     "past": (_past, {"agent": "CartPole-v1", "step": 53}),
     "state-space": (_state_space, {"agent": "MountainCar-v0", "step": 90}),
     "acrobot": (_cones, {"agent": "Acrobot-v1", "step": 40}),
+    "huge": (_huge, {"agent": HUGE, "step": 40}),
     "stages": (_stages, {}),
     "settings": (_settings, {"agent": "CartPole-v1", "step": 53}),
     "library": (_library, {"agent": "CartPole-v1", "step": 53}),
@@ -349,6 +359,8 @@ def main() -> None:
         folder.mkdir()
         if "compare" in names:
             AO2("CartPole-v1", seed=1).learn(3_000).save(folder / "young.ao2")
+        if "huge" in names:
+            assert make_agent_file(100_000, folder).stem == HUGE
         browser = launch(playwright)
         for name in names:
             if name == "offline":  # Without its dashboard no page changes its theme.

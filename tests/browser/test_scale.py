@@ -87,7 +87,10 @@ def test_who_comes_while_others_watch_gets_the_same_picture(
     both = [dashboard._browsers[window._client_id] for window in (first, second)]
     first.wait(lambda: not any(b._canvas.is_busy for b in both), "both to be sent everything")
     assert both[0]._picture is both[1]._picture
-    nodes = [[chunk._nodes for chunk in b._canvas._chunks._chunks] for b in both]
+    kinds = [b._canvas._chunks._chunks for b in both]
+    nodes = [
+        [chunk._nodes for chunks in kind.values() for chunk in chunks.values()] for kind in kinds
+    ]
     assert len(nodes[0]) == len(nodes[1]) > 0
     for one, other in zip(*nodes, strict=True):
         np.testing.assert_array_equal(one.batched_positions, other.batched_positions)

@@ -3,7 +3,10 @@
 from tests.browser.conftest import Open, Window
 
 SMALL = {"width": 1024, "height": 768}
-TABS = ("Why", "Moments", "Branch", "Past", "Inspect", "Forest", "Charts", "What if", "Compare")
+TABS = (
+    *("Why", "Moments", "Branch", "Past"),
+    *("Inspect", "Agent", "Forest", "Charts", "What if", "Compare", "Export"),
+)
 DIALOGS = ("Help", "Settings", "Library")
 # What sticks out of its panel to a side, or is wider than the box that clips it.
 CUT_OFF = """() => {
