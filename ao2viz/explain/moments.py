@@ -130,5 +130,5 @@ def _name(kind: MomentKind, is_unseen: bool) -> str:
     if kind is MomentKind.LOW_MARGIN:
         return "low margin"
     if kind is MomentKind.UNSEEN:
-        return "never seen the like" if is_unseen else "farthest from known"
+        return kind.value if is_unseen else "far from known"
     return kind.value

@@ -105,7 +105,7 @@ def test_moments_say_what_makes_them_one():
     assert words == [
         (1, "low margin 0.500"),
         (1, "new option, distance 0.500"),
-        (1, "never seen the like, distance 0.500"),
+        (1, "never seen, distance 0.500"),
         (2, "explored, margin 40.0"),
         (2, "reward drop 6.00"),
         (3, "end: the task ended"),
