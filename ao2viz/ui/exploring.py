@@ -11,6 +11,7 @@ import numpy as np
 from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.task import TaskSpec
+from ao2viz.explain.words import number
 from ao2viz.figures.coloring import Coloring
 from ao2viz.layout.discs import schemas_of
 from ao2viz.ui.commands import (
@@ -240,6 +241,14 @@ def _find_state(
     if len(forest) == 0:
         return session, "There are no options yet."
     return _select(session, int(np.argmin(forest.distances_to(state))), forest)
+
+
+def say_found(session: Session, text: str, forest: ForestView | None, spec: TaskSpec | None) -> str:
+    """Which option stands nearest to a typed state and how near; nothing if none was typed."""
+    if not text.strip() or forest is None or spec is None:
+        return ""
+    away = number(float(forest.distances_to(read_state(text, spec))[session.selected]))
+    return f"Option {session.selected} is the nearest, {away} away. Inspect tells of it."
 
 
 def _fold(session: Session, forest: ForestView) -> tuple[Session, str]:

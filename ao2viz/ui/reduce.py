@@ -36,6 +36,7 @@ from ao2viz.ui.commands import (
     Download,
     Edit,
     Field,
+    FindState,
     LayBehind,
     Pick,
     Press,
@@ -47,7 +48,7 @@ from ao2viz.ui.comparing import compare
 from ao2viz.ui.dialog_commands import DialogCommand, NextStage
 from ao2viz.ui.dialogs import attend, defaults_for
 from ao2viz.ui.downloads import Notify, SaveFile, make_table
-from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place
+from ao2viz.ui.exploring import Exploring, choose_axes, explore, forget_place, say_found
 from ao2viz.ui.exporting import take_away
 from ao2viz.ui.jobs import Begin
 from ao2viz.ui.learners import lay
@@ -199,7 +200,11 @@ def _explore(session: Session, command: Exploring, world: World) -> Result:
     forest, spec = forest_of(session, world), spec_of(session, world)
     decision = decision_of(session, world)
     session, problem = explore(session, command, forest, spec, decision)
-    return session, ((Notify("Not here", problem),) if problem else ())
+    if problem:
+        return session, (Notify("Not here", problem),)
+    # Else only a ring says so, which may stand outside of the canvas.
+    found = say_found(session, command.text, forest, spec) if isinstance(command, FindState) else ""
+    return session, ((Notify("Found", found),) if found else ())
 
 
 def _forget_options(session: Session) -> Session:

@@ -32,6 +32,7 @@ from ao2viz.ui.commands import (
     ConfirmOverwrite,
     Edit,
     Field,
+    FindState,
     Fit,
     Move,
     Pick,
@@ -140,6 +141,15 @@ def test_options_are_selected_if_they_exist():
     assert session.selected == 1
     assert effects == (Notify("Not here", "There is no option 77 here."),)
     assert after(watching(selected=1), Select(NO_OPTION)).selected == NO_OPTION
+
+
+def test_whoever_looks_for_a_state_is_told_which_option_is_the_nearest():
+    session, effects = reduce(watching(selected=4), FindState("0.1, 0.2, 3.4, 0"), world())
+    assert session.selected == 4  # Also where it was selected already.
+    (told,) = effects
+    assert isinstance(told, Notify)
+    assert told.body.startswith("Option 4 is the nearest, ")
+    assert reduce(watching(), FindState(" "), world())[1] == ()
 
 
 def test_a_click_on_the_canvas_asks_the_scene():
