@@ -14,6 +14,7 @@ from ao2viz.ui.picture import Picture
 GREY = "has tried nothing yet"
 """What an option without a colour tells."""
 
+_COMING = "No forest yet: it is on its way."
 _ACTIVE = "the schemas that the path and the selected option belong to"
 _NO_FOREST = "No forest yet. Start grows one; Watch or the Library opens one."
 _MOST_SWATCHES = 9
@@ -38,14 +39,15 @@ def legend(
     picture: Picture | None,
     grey: str = GREY,
     left_out: int = 0,
+    is_coming: bool = False,
 ) -> str:
     """What the colours, sizes and lines of the canvas mean.
 
     `grey` is what that colour tells; for so many options of the active schemas, `left_out`, there
-    was no room.
+    was no room. Where there is no forest, `is_coming` tells that nobody has to do anything for it.
     """
     if spec is None or view is None:
-        return f'<div class="ao-legend">{_NO_FOREST}</div>'
+        return f'<div class="ao-legend">{_COMING if is_coming else _NO_FOREST}</div>'
     if picture is None:
         words = f"Arranging {count(len(view), 'option')} …"
         return f'<div class="ao-legend ao-dim">{words}</div>'
@@ -93,7 +95,7 @@ def _rows(
         rows.append('<div class="ao-dim">biggest: a root that stands for its schema</div>')
     rows.append(_key("path", "path to the most similar option"))
     if look.arrangement is Arrangement.STATE_SPACE:
-        rows.append(_key("now", "the state now, and the way there"))
+        rows.append(_key("now", "state now, and the way there"))
     rows.append(_key("ahead", "where it expects to go"))
     rows.append(_key("vote", "paths of other voters, by share"))
     rows.append(_key("ring", "selected (click any option)"))

@@ -108,7 +108,8 @@ def test_the_legend_counts_options_and_schemas():
     assert "prefers push left" in page
     assert "path to the most similar option" in page
     assert "hidden" not in page
-    assert "No forest yet" in legend(None, None, Look(), None)
+    assert "Start grows one" in legend(None, None, Look(), None)
+    assert "on its way" in legend(None, None, Look(), None, is_coming=True)
 
 
 @pytest.mark.parametrize(

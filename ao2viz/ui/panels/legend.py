@@ -3,6 +3,7 @@
 import viser
 from viser._messages import HotkeyKey
 
+from ao2viz.training.states import RunStatus
 from ao2viz.ui import html, html_past
 from ao2viz.ui.close_up import CloseUp
 from ao2viz.ui.commands import Command, Fit, FocusPath, FocusSelection, TidyUp
@@ -44,13 +45,24 @@ class LegendPanel:
         """Shows the legend of what is on the canvas."""
         forest = view.forest if view.back is None else view.back.moment.view
         left_out = close_up.n_left_out if close_up is not None else 0
-        shown = (view.spec, forest, view.look, picture, left_out)
+        is_coming = not view.is_trouble and (view.source is not None or _is_under_way(view))
+        shown = (view.spec, forest, view.look, picture, left_out, is_coming)
         if self._shown and all(a is b or a == b for a, b in zip(shown, self._shown, strict=True)):
             return
         self._shown = shown
         words = html_past.canvas_line(view)
         self._text.content = words + legend(
-            view.spec, forest, view.look, picture, html_past.say_grey(view.back), left_out
+            view.spec,
+            forest,
+            view.look,
+            picture,
+            html_past.say_grey(view.back),
+            left_out,
+            is_coming,
         )
         size = legend_size(view.spec, forest, view.look, picture)
         self.size = size[0] + _GAP_PX, size[1] + _GAP_PX
+
+
+def _is_under_way(view: View) -> bool:
+    return view.run.status in (RunStatus.PREPARING, RunStatus.RUNNING)
