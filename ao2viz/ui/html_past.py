@@ -51,7 +51,10 @@ def past_facts(view: View, then: Decision | None) -> str:
         )
         return f'<div class="ao"><p class="ao-dim">{words}</p></div>'
     standing, now = len(back.moment.view), len(back.past.now)
-    lines = [f"{count(standing, 'option')} stood then, {now:,} stand now."]
+    lines = [
+        f"{count(standing, 'option')} stood then, {now:,} stand now. Room is kept for all that "
+        "ever stood, so the forest is arranged otherwise than now."
+    ]
     if len(back.returns):
         mean = number(float(back.returns.mean()))
         lines.append(f"Return then: {mean}, the mean of the {_episodes(len(back.returns))} before.")

@@ -38,7 +38,8 @@ def branch_facts(view: View) -> str:
     if branch is None or spec is None:
         words = (
             "Choose the action of the step that is shown yourself. The agent goes on from there, "
-            "in a branch that can be stepped through like any episode. Nothing of it changes."
+            "in a branch that can be stepped through like any episode. Nothing of the agent "
+            "changes."
         )
         if not view.replay.can_take_over:
             words = "Watch a step of a recorded episode, or pause the run, to take over there."

@@ -54,6 +54,7 @@ def test_the_past_is_what_had_been_made_by_then():
     assert view.transport.position == 3  # The replay stays where it is.
     words = html_past.past_facts(view, None)
     assert "2 options stood then, 5 stand now." in words
+    assert "arranged otherwise than now" in words
     assert "keeps no weights of the past, so only the structure is shown" in words
     assert "You are looking at step 25 of 100 of training." in html_past.canvas_line(view)
     assert "You are looking at step 25" in html_replay.line(view)

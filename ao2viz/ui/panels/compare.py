@@ -82,7 +82,7 @@ class ComparePanel:
         for words, command in (
             ("Compare: let both agents play from the same seeds", Fight()),
             ("Compare: end their playing", CallOff(Task.DUEL)),
-            ("Compare: nobody", ChooseOther(None)),
+            ("Compare: with nobody", ChooseOther(None)),
         ):
             on_trigger(gui.add_command(words), command, client_id, inbox)
         press(gui.add_command("Compare: the next step where they part", hotkey="5"), self._to_next)
