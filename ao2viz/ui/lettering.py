@@ -45,7 +45,7 @@ class Lettering:
             return
         self._placed = (overlay, eye)
         labels = overlay.labels[:_MOST] if overlay is not None and lens is not None else ()
-        sides = _choose_sides(labels, overlay, lens) if overlay and lens else []
+        sides = choose_sides(labels, overlay, lens) if overlay and lens else []
         for i, handle in enumerate(self._handles):
             side = sides[i] if i < len(sides) else None
             handle.visible = side is not None
@@ -58,7 +58,8 @@ class Lettering:
             handle.position = labels[i].position
 
 
-def _choose_sides(labels: tuple[Label, ...], overlay: Overlay, lens: Lens) -> list[Side | None]:
+def choose_sides(labels: tuple[Label, ...], overlay: Overlay, lens: Lens) -> list[Side | None]:
+    """Where each label stands beside its point; None: there is no room for it."""
     if not labels:
         return []
     points, depths = lens.see(np.array([label.position for label in labels]))

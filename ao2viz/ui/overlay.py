@@ -9,7 +9,7 @@ from ao2viz.core.decision import NO_OPTION, Decision
 from ao2viz.core.forest import ForestView
 from ao2viz.envs.catalogue import Feature
 from ao2viz.envs.task import TaskSpec
-from ao2viz.explain.ahead import Ahead, AheadEnd
+from ao2viz.explain.ahead import Ahead
 from ao2viz.explain.words import count, number
 from ao2viz.layout.labels import Side
 from ao2viz.layout.state_space import Axes, find_ticks
@@ -146,9 +146,8 @@ def _dashes(way: NDArray[np.float32], picture: Picture) -> NDArray[np.float32]:
 
 
 def _ahead_label(ahead: Ahead) -> str:
-    ends = {AheadEnd.ENDED: "then the end", AheadEnd.UNKNOWN: "then unknown"}
-    told = ends.get(ahead.end, "and on")
-    return f"expects {number(ahead.reward)} in {count(len(ahead.steps), 'step')}, {told}"
+    # How it ends is told under Why: so long a label fits on few narrow canvases.
+    return f"expects {number(ahead.reward)} in {count(len(ahead.steps), 'step')}"
 
 
 def _standing(options: NDArray[np.int64], picture: Picture) -> NDArray[np.int64]:

@@ -16,6 +16,7 @@ from ao2viz.explain.uses import Use, find_uses
 from ao2viz.layout.discs import lay_out
 from ao2viz.layout.state_space import fit_axes
 from ao2viz.ui import html_reasons
+from ao2viz.ui.camera import Lens
 from ao2viz.ui.commands import (
     GoBack,
     GoForward,
@@ -25,6 +26,7 @@ from ao2viz.ui.commands import (
     Walk,
     Way,
 )
+from ao2viz.ui.lettering import choose_sides
 from ao2viz.ui.look import Arrangement, Look
 from ao2viz.ui.overlay import Moment, overlay
 from ao2viz.ui.picture import draw
@@ -203,7 +205,11 @@ def test_the_imagined_path_is_drawn_from_the_option_that_decided(agent, saved):
     drawn = overlay(Moment(made, ahead=way), picture, view, saved.spec)
     np.testing.assert_array_equal(drawn.ahead_end, picture.positions[way.stretches[-1][0].option])
     np.testing.assert_allclose(drawn.ahead[0, 0], picture.positions[made.path[-1]], atol=1e-5)
-    assert any(label.text.startswith("expects 30.0 in 30 steps") for label in drawn.labels)
+    (told,) = (label for label in drawn.labels if label.text == "expects 30.0 in 30 steps")
+    # Wherever it ends, a small screen has room for that.
+    narrow = Lens(np.array([0.0, 0.0, 100.0]), np.diag([1.0, -1.0, -1.0]), 0.6, (376.0, 768.0))
+    for x in np.linspace(-15, 15, 9):
+        assert choose_sides((replace(told, position=(x, 0.0, 0.0)),), drawn, narrow) != [None]
     lengths = np.linalg.norm(drawn.ahead[:, 1] - drawn.ahead[:, 0], axis=1)
     assert (lengths > 0).all()
     assert len(np.unique(drawn.ahead.round(4), axis=0)) == len(drawn.ahead)  # Nothing twice.
