@@ -81,7 +81,8 @@ def links(view: View) -> str:
         return f'<div class="ao"><p class="ao-dim">{words}</p></div>'
     return (
         f'<div class="ao"><code class="ao-copy">{esc(view.replay.link)}</code>'
-        f'<code class="ao-copy">{esc(view.replay.command)}</code></div>'
+        f'<code class="ao-copy">{esc(view.replay.command)}</code>'
+        '<p class="ao-dim">Both count episodes from 0.</p></div>'
     )
 
 

@@ -64,7 +64,7 @@ def _whole(fields: dict[str, list[str]], name: str) -> int | None:
     text = fields[name][-1]
     if not (text.isascii() and text.isdigit() and len(text) < 12 and int(text) <= _LARGEST):
         raise ValueError(
-            f"The address asks for {name} {_quote(text)}, but a {name} is a whole number from 0 on."
+            f"The address asks for {name} {_quote(text)}, but a whole number from 0 on is expected."
         )
     return int(text)
 

@@ -246,7 +246,7 @@ def _go_where_wanted(session: Session, world: World) -> Session:
     session = replace(session, wanted=None, is_playing=False)
     episode, n = wanted.episode or 0, len(agent.episodes)
     if episode >= n:
-        known = f"only episodes 0 to {n - 1}" if n else "no recorded episodes"
+        known = f"only episodes 0 to {n - 1}, counted from 0" if n else "no recorded episodes"
         words = f"You asked for episode {episode:,}, but this agent has {known}."
         return replace(session, remark=words)
     session = replace(session, episode=episode, is_playing=wanted.step is None)

@@ -8,10 +8,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from ao2viz.ui import html_replay
 from ao2viz.ui.places import command_to, link_to, open_place, read_place
 from ao2viz.ui.reduce import reduce
 from ao2viz.ui.replay_commands import ShowLink
 from ao2viz.ui.session import Session, Wanted
+from ao2viz.ui.view import project
 from ao2viz.ui.world import ShelfItem
 from tests.ui.test_reduce import FILE, watching, world
 
@@ -60,7 +62,7 @@ def test_an_address_that_asks_for_nothing_opens_the_usual(query):
         ("agent=two", "the agent “two”, which is not here"),
         ("agent=../../etc/passwd", "which is not here"),
         ("agent=", "the agent “”"),
-        ("agent=one&step=-1", "step “-1”, but a step is a whole number from 0 on"),
+        ("agent=one&step=-1", "step “-1”, but a whole number from 0 on is expected"),
         ("agent=one&step=1e3", "whole number"),
         ("agent=one&step=nan", "whole number"),
         ("episode=\uff19", "whole number"),
@@ -85,3 +87,12 @@ def test_whatever_an_address_says_it_opens_something(query):
     opened = open_place(Session(), query, SHELF)
     assert opened.source in {None, *(item.path for item in SHELF)}
     assert open_place(Session(), query, ()).source is None
+
+
+def test_the_link_to_a_moment_says_from_what_it_counts():
+    view = project(
+        watching(position=2.0), replace(world(), shelf=SHELF, address="http://127.0.0.1:1/")
+    )
+    page = html_replay.links(view)
+    assert "episode=0&amp;step=2" in page  # The list of episodes begins with 1.
+    assert "count episodes from 0" in page
