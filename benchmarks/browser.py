@@ -14,7 +14,6 @@ everything else of the browser, to one half of the cores, and ao2viz to the othe
 
 import argparse
 import contextlib
-import math
 import os
 import statistics
 import subprocess
@@ -30,7 +29,7 @@ from ao2viz.training.runner import ProcessRunner, Runner, ThreadRunner
 from ao2viz.training.states import Pause, Resume, RunStatus, Start
 from ao2viz.training.updates import RunUpdate
 from ao2viz.ui.app import Dashboard
-from benchmarks.machine import describe_run
+from benchmarks.machine import describe_run, processor_s
 
 _RUNNERS: dict[str, Callable[[], Runner]] = {"thread": ThreadRunner, "process": ProcessRunner}
 _PATIENCE_S = 180.0
@@ -107,12 +106,7 @@ def _cpu_s(runner: Runner) -> float:
     else:
         names = {thread.name: thread.native_id for thread in threading.enumerate()}
         place /= str(names["ao2viz training"])
-    try:
-        # proc(5): fields 14 and 15, counted after the name in parentheses, in clock ticks.
-        fields = (place / "stat").read_text().rpartition(")")[2].split()
-    except OSError:
-        return math.nan
-    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+    return processor_s(place)
 
 
 @contextlib.contextmanager

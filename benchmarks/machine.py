@@ -1,5 +1,6 @@
 """What a table of measurements must say about where it comes from."""
 
+import math
 import os
 import platform
 import subprocess
@@ -18,6 +19,16 @@ def describe_run(module: str) -> str:
         f"{platform.system()}, Python {platform.python_version()}, NumPy {np.__version__}, "
         f"Numba {numba.__version__}"
     )
+
+
+def processor_s(place: str | Path) -> float:
+    """Processor time that a process or thread has used so far, by its folder in /proc; else NaN."""
+    try:
+        # proc(5): fields 14 and 15, counted after the name in parentheses, in clock ticks.
+        fields = (Path(place) / "stat").read_text().rpartition(")")[2].split()
+    except OSError:
+        return math.nan
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 def _commit() -> str:

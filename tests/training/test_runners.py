@@ -271,17 +271,17 @@ def test_a_worker_that_breaks_shows_it(make, monkeypatch):
 
 def test_updates_come_at_most_ten_times_a_second():
     pace = Pace()
-    assert pace.is_due(0.0)
+    assert pace.left_s(0.0) == 0
     pace.note(0.0, 0.001)
-    assert not pace.is_due(0.001 + 0.9 * MIN_INTERVAL_S)
-    assert pace.is_due(0.002 + MIN_INTERVAL_S)
+    assert pace.left_s(0.001 + 0.9 * MIN_INTERVAL_S) > 0
+    assert pace.left_s(0.002 + MIN_INTERVAL_S) == 0
 
 
 def test_updates_that_cost_much_come_rarely():
     pace = Pace()
     pace.note(0.0, 0.05)
-    assert pace.interval_s == pytest.approx(0.05 / (1 - USUAL_LEARNING))
-    assert not pace.is_due(0.9)
+    assert pace.interval_s == pytest.approx(0.05 * USUAL_LEARNING / (1 - USUAL_LEARNING))
+    assert pace.left_s(0.9) > 0
     pace.note(2.0, 2.001)
     assert pace.interval_s == MIN_INTERVAL_S
 
@@ -293,7 +293,7 @@ def test_the_share_of_learning_decides_how_much_is_shown():
         pace.note(0.0, 0.02)
         intervals.append(pace.interval_s)
         # Updates take no more than the rest, unless that would be less often than it must be.
-        assert 0.02 / pace.interval_s <= 1 - learning + 1e-9
+        assert 0.02 / (0.02 + pace.interval_s) <= 1 - learning + 1e-9
     assert intervals == sorted(intervals, reverse=True)
     assert intervals[0] > 10 * intervals[-1]
     assert Pace(MIN_LEARNING).interval_s == SHORTEST_S
@@ -302,7 +302,7 @@ def test_the_share_of_learning_decides_how_much_is_shown():
 def test_one_slow_update_does_not_hide_the_next_for_long():
     pace = Pace()
     pace.note(0.0, 5.0)
-    assert pace.is_due(5.0 + MAX_INTERVAL_S)
+    assert pace.left_s(5.0 + MAX_INTERVAL_S) == 0
 
 
 def test_showing_costs_training_little(monkeypatch):
@@ -343,10 +343,55 @@ def test_inline_shows_what_is_there_now():
 
 
 @pytest.mark.parametrize("learning", [MIN_LEARNING, 0.8, USUAL_LEARNING, MAX_LEARNING])
-def test_showing_a_big_forest_takes_no_more_than_its_share(learning):
-    pace = Pace(learning)
+def test_learning_has_exactly_its_share_beside_a_big_forest(learning):
+    pace, cost_s, began = Pace(learning), 0.25, 10.0
     for _ in range(2):
-        pace.note(began=10.0, ended=10.25)
-    assert pace.interval_s >= min(LONGEST_S, 0.25 / (1 - learning)) - 1e-9
+        pace.note(began, began + cost_s)
+    next_one = began + cost_s / (1 - learning)
+    assert pace.left_s(next_one - 1e-6) > 0
+    assert pace.left_s(next_one + 1e-6) == 0
     pace.note(began=10.0, ended=70.0)
     assert pace.interval_s <= LONGEST_S
+
+
+class Clockwork:
+    """A worker without an agent, and the clock that its work moves on."""
+
+    status, changes = RunStatus.RUNNING, 0
+
+    def __init__(self, learning_share: float, cost_s: float) -> None:
+        self.learning_share, self._cost_s = learning_share, cost_s
+        self.now, self.learned_s, self.updates = 100.0, 0.0, 0
+
+    def perf_counter(self) -> float:
+        return self.now
+
+    def update(self) -> RunUpdate:
+        self.now += self._cost_s
+        self.updates += 1
+        return RunUpdate()
+
+    def advance(self, budget_s: float) -> float:
+        self.now += max(budget_s, 1e-4)  # Never less than a step.
+        self.learned_s += max(budget_s, 1e-4)
+        return 0.0
+
+    def close(self) -> None:
+        pass
+
+
+@pytest.mark.parametrize(
+    ("learning", "cost_s", "kept"),
+    [
+        (MIN_LEARNING, 0.05, MIN_LEARNING),
+        (0.8, 0.05, 0.8),
+        (MAX_LEARNING, 0.05, MAX_LEARNING),
+        (MIN_LEARNING, 0.002, SHORTEST_S / (SHORTEST_S + 0.002)),  # Showing needs no more.
+    ],
+)
+def test_the_loop_gives_learning_its_share(monkeypatch, learning, cost_s, kept):
+    worker = Clockwork(learning, cost_s)
+    monkeypatch.setattr(serve, "time", worker)
+    serve.serve(worker, lambda _: [] if worker.now < 200 else None, lambda _: None)
+    assert worker.learned_s / (worker.now - 100) == pytest.approx(kept, rel=0.01)
+    assert worker.updates == pytest.approx(100 * (1 - kept) / cost_s, rel=0.1)
