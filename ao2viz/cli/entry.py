@@ -10,20 +10,12 @@ from typer.main import get_command
 
 from ao2viz.cli.commands import app
 from ao2viz.cli.console import say_error
-from ao2viz.cli.exit_codes import EXIT_FAILED, EXIT_INTERRUPTED, EXIT_USAGE
+from ao2viz.cli.exit_codes import EXIT_FAILED, EXIT_USAGE
 
 
-def main(
-    arguments: Sequence[str] | None = None, program: str = "ao2viz", command: str | None = None
-) -> int:
-    """Runs one command and returns its exit code; prints one line instead of a traceback.
-
-    Args:
-        arguments: Those after the program's name; None takes the process's own.
-        program: How the usage lines call the program.
-        command: The only command this program has; None: all of them.
-    """
-    given = list(sys.argv[1:] if arguments is None else arguments)
+def run(arguments: Sequence[str], program: str, command: str | None) -> int:
+    """What `ao2viz.cli.main` does, once everything is imported; Ctrl-C passes through."""
+    given = list(arguments)
     runnable = get_command(app)
     if command is None:
         given = with_default_command(given)
@@ -42,9 +34,6 @@ def main(
         message = error.format_message().replace("Value error, ", "")
         say_error(f"{message} ({program} --help lists what there is.)")
         return EXIT_USAGE
-    except KeyboardInterrupt:
-        say_error("Interrupted.")
-        return EXIT_INTERRUPTED
     except BrokenPipeError:
         # The reader has left, as `head` does. What Python still flushes at exit goes nowhere.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -1,6 +1,8 @@
 """Ctrl-C, and other ways in which a long command may not end as it was meant to."""
 
 import signal
+import subprocess
+import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -9,10 +11,10 @@ import pytest
 
 import ao2viz
 from ao2viz import explanations
-from ao2viz.cli.entry import main
+from ao2viz.cli import main
 from ao2viz.cli.interrupts import DeferredInterrupts
 from ao2viz.resources import saved_schemas
-from tests.cli.processes import interrupt, start
+from tests.cli.processes import ROOT, TIMEOUT_S, environment, interrupt, start
 
 FOREVER = ("--steps", "100000000")
 
@@ -58,6 +60,33 @@ def test_an_interrupted_evaluation_says_so_in_one_line(tmp_path: Path, agent_fil
     output, errors = interrupt(process, 4)
     assert process.returncode == 130
     assert (output, errors) == ("", "Error: Interrupted.\n")
+
+
+@pytest.mark.parametrize("module", ["typer", "numba"])  # The first and the last to be imported.
+@pytest.mark.parametrize(
+    "program",
+    [
+        ("-m", "ao2viz"),
+        ("-c", "import sys; from ao2viz.cli import main; sys.exit(main())"),  # As pip writes it.
+        (str(ROOT / "app.py"),),
+    ],
+    ids=["module", "installed", "app.py"],
+)
+def test_an_interrupt_while_importing_says_so_in_one_line(
+    tmp_path: Path, program: tuple[str, ...], module: str
+) -> None:
+    # Found before the real one, and presses Ctrl-C while it is imported.
+    (tmp_path / f"{module}.py").write_text("import signal\nsignal.raise_signal(signal.SIGINT)\n")
+    ended = subprocess.run(
+        [sys.executable, *program, "--port", "0", "--no-browser"],
+        cwd=tmp_path,
+        env=environment(tmp_path),
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+        check=False,
+    )
+    assert (ended.returncode, ended.stdout, ended.stderr) == (130, "", "Error: Interrupted.\n")
 
 
 def test_the_second_interrupt_does_not_wait() -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from ao2viz import AO2, DecideBy
-from ao2viz.cli.entry import main
+from ao2viz.cli import main
 from ao2viz.experiments.measure import Evaluation
 from ao2viz.experiments.table import read
 from tests.cli.processes import TIMEOUT_S, Cli, environment, start

@@ -30,7 +30,7 @@ def test_every_format_has_a_writer_and_is_told_about() -> None:
 
 def test_exports_make_nothing_slower_that_does_not_export() -> None:
     program = (
-        "import sys, ao2viz, ao2viz.cli.commands\n"
+        "import sys, ao2viz.cli.commands\nfrom ao2viz import *\n"
         "print({'plotly', 'networkx', 'viser', 'jinja2', 'PIL', 'sklearn'} & set(sys.modules))"
     )
     done = subprocess.run(
