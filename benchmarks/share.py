@@ -64,8 +64,9 @@ def measure(runner: ProcessRunner, start: Start, share: float) -> Speed:
     end = moments[0].update.first_step + start.total_steps
     while (moment := _next(runner, lambda u: u is not moments[-1].update)).update.n_steps < end:
         moments.append(moment)
-    # The last one may have to wait until what was learned has settled; better one before it.
-    moments += [] if moments[1:] else [moment]
+    # The last one is left out: it may have to wait until what was learned has settled.
+    if not moments[1:]:
+        raise RuntimeError(f"One update only of {start.total_steps:,} steps; give more --steps.")
     last = _next(runner, lambda u: u.status is RunStatus.FINISHED)
     return _speed(moments[0], moments[-1], len(moments) - 1, last.update)
 

@@ -113,8 +113,8 @@ class ControlPanel:
             "Learning",
             tuple(_SHARES),
             initial_value="95 %",
-            hint="How much of the time is for learning; the rest is for showing it: less learning, "
-            "more pictures a second. What is learned stays the same.",
+            hint="How much of the time is for learning, at least; the rest may go into showing it: "
+            "less learning, more pictures a second. What is learned stays the same.",
         )
         on_change(self._share, lambda v: ChooseShare(_SHARES[v]), client_id, inbox)
         self._settings = gui.add_button("Settings", icon=viser.Icon.ADJUSTMENTS, color="gray")
