@@ -23,16 +23,16 @@ _MANY = 500
 """Shapes more or fewer than in the frame before: a part of the forest has come or gone."""
 # Of every frame: when it was, how many shapes it drew, and whether the path's marks were in it.
 # Frames that draw as many as the one before are only counted. `bytes`: what the last frame handed
-# to the graphics card, in which order to draw alone takes some; `bulk`: when that last differed
-# much from the frame before, as when a part of the forest is new; `typed`: when a field was last
-# typed into.
+# to the graphics card, in which order to draw alone takes some; `bulk`: when a frame last handed
+# over much more than the one before, or drew many shapes more or fewer: a part of the forest came
+# or went; `typed`: when a field was last typed into.
 _COUNTING = (
     """
 (() => {
   const seen = window.seen = {
     frames: 0, changes: [], longest: 0, long: 0, bytes: 0, bulk: 0, typed: 0,
   };
-  let shapes = 0, last = 0, marks = 0, before = "", bytes = 0;
+  let shapes = 0, last = 0, marks = 0, before = "", bytes = 0, handed = 0;
   const now = () => (performance.timeOrigin + performance.now()) / 1000;
   addEventListener("input", () => { seen.typed = now(); }, true);
   for (const name of ["drawArrays", "drawElements", "drawArraysInstanced", "drawElementsInstanced"])
@@ -44,6 +44,7 @@ _COUNTING = (
         const n = name.endsWith("Instanced") ? given[given.length - 1] : dots;
         shapes += n;
         if (n === MARKS) marks += 1;
+        handed = now();
         return draw.apply(this, given);
       };
     }
@@ -52,16 +53,17 @@ _COUNTING = (
       const send = kind.prototype[name];
       kind.prototype[name] = function (...given) {
         for (const one of given) bytes += one?.byteLength ?? 0;
+        handed = now();
         return send.apply(this, given);
       };
     }
   const look = () => {
-    if (bytes && Math.abs(bytes - seen.bytes) > BULK) seen.bulk = now();
+    if (bytes > seen.bytes + BULK) seen.bulk = handed;
     if (bytes) seen.bytes = bytes;
     bytes = 0;
     if (shapes) {
       seen.frames += 1;
-      if (Math.abs(shapes - last) > MANY) seen.bulk = now();
+      if (Math.abs(shapes - last) > MANY) seen.bulk = handed;
       last = shapes;
       const drawn = `${shapes} ${marks > 0}`;
       if (drawn !== before) seen.changes.push([now(), shapes, marks]);

@@ -47,7 +47,8 @@ from ao2viz.ui.view import View, project
 from ao2viz.ui.world import World
 
 TICK_S = 0.05
-"""At most this often the screen is brought up to date."""
+"""So often the screen is brought up to date; what a person does is answered at once."""
+_BREATH_S = 0.005  # Between two looks, however much people do: what was sent must get away.
 
 _FIRST = "CartPole-v1"  # Opened when nothing else is asked for.
 _RELIST_S = 2.0  # Files that others put on the shelf appear after so long.
@@ -176,15 +177,15 @@ class Dashboard:
 
     def _run(self) -> None:
         self._world = replace(self._world, shelf=self._library.shelf())
-        then = time.monotonic()
+        now = then = time.monotonic()
         while not self._stopping.is_set():
-            now = time.monotonic()
+            then, now = now, time.monotonic()
             try:
                 self._tick(now, now - then)
             except Exception as error:  # The screen must outlive its own bugs, and tell of them.
                 self._tell_of_bug(error)
-            then = now
-            self._stopping.wait(max(0.002, TICK_S - (time.monotonic() - now)))
+            self._stopping.wait(_BREATH_S)
+            self._inbox.wait(TICK_S - (time.monotonic() - now))
 
     def _tick(self, now: float, seconds: float) -> None:
         self._refresh_world(now)

@@ -128,9 +128,12 @@ class Browser:
         may_ask = view.forest is None or self._picture is not None
         ahead = ahead_of(view, thinker) if may_ask else None
         asked = self._supposing.ask(view, thinker) if may_ask else None
+        answer = asked if isinstance(asked, Answer) else None
+        self._then = decision_then(view, thinker) if may_ask else None
+        # The canvas comes first: what it is sent arrives before all the words beside it.
+        self._sync_canvas(view, gallery, ahead, answer, is_ready=is_ready)
         self._what_if.sync(view, asked, self.jobs)
         self._forget.sync(view, self.jobs)
-        answer = asked if isinstance(asked, Answer) else None
         self._compare.sync(view, thinker, frames, self.jobs)
         file = self._export.sync(view, self.jobs)
         if file is not None:
@@ -141,15 +144,30 @@ class Browser:
         self._why.sync(view, problem, ahead, faithful, novelty)
         self._moments.sync(view)
         self._branch.sync(view)
-        self._then = decision_then(view, thinker) if may_ask else None
         self._past.sync(view, self._then)
         self._control.sync(view)
         self._inspect.sync(view, thinker, self.jobs)
         self._whole.sync(view, self.jobs)
         self._forest.sync(view)
+        self._charts.sync(view)
+        self._dialogs.sync(view)
+        work = (gallery, frames, thinker, self.jobs, self._canvas)
+        self._is_waiting = not is_ready or any(each.is_busy for each in work)
+
+    def _sync_canvas(
+        self,
+        view: View,
+        gallery: Gallery,
+        ahead: Ahead | None,
+        answer: Answer | None,
+        *,
+        is_ready: bool,
+    ) -> None:
         self.picture_key = None
         self._picture = None
-        if is_ready and view.forest is not None and view.spec is not None:
+        if not is_ready:
+            return
+        if view.forest is not None and view.spec is not None:
             key, back = view.forest_key, view.back
             if back is not None:
                 key = (f"past {key[0]}", *key[1:])
@@ -158,22 +176,17 @@ class Browser:
             else:
                 self._picture = gallery.get(key, view.forest, view.spec, view.look)
             self.picture_key = (key, view.look)
-        if is_ready:
-            lens = self._eye.look()
-            drawn, decision = self._overlay_of(view, ahead, answer)
-            self._close_up = self._focus.get(
-                self._picture,
-                (view.selected, *([] if decision is None else decision.path[-1:].tolist())),
-                is_moving=_is_moving(view),
-            )
-            self._legend.sync(view, self._picture, self._close_up)
-            self._canvas.sync(self._picture, drawn, lens, self._close_up)
-            requests = Requests(view.fits, view.focuses, view.selection_focuses)
-            self._canvas.aim(requests, self._legend.size, lens)
-        self._charts.sync(view)
-        self._dialogs.sync(view)
-        work = (gallery, frames, thinker, self.jobs, self._canvas)
-        self._is_waiting = not is_ready or any(each.is_busy for each in work)
+        lens = self._eye.look()
+        drawn, decision = self._overlay_of(view, ahead, answer)
+        self._close_up = self._focus.get(
+            self._picture,
+            (view.selected, *([] if decision is None else decision.path[-1:].tolist())),
+            is_moving=_is_moving(view),
+        )
+        self._canvas.sync(self._picture, drawn, lens, self._close_up)
+        self._legend.sync(view, self._picture, self._close_up)
+        requests = Requests(view.fits, view.focuses, view.selection_focuses)
+        self._canvas.aim(requests, self._legend.size, lens)
 
     def pick(self, origin: tuple[float, ...], direction: tuple[float, ...]) -> int:
         """The option under a click; NO_OPTION if there is none."""

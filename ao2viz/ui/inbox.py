@@ -1,6 +1,7 @@
 """Where clicks wait for the app loop, and the only callbacks that viser ever gets from us."""
 
 import queue
+import threading
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -49,11 +50,18 @@ class Inbox:
 
     def __init__(self) -> None:
         self._queue: queue.SimpleQueue[Envelope] = queue.SimpleQueue()
+        self._has_news = threading.Event()
         self._keys: dict[int, list[viser.CommandHandle]] = {}
 
     def put(self, client_id: int, command: Command | Connect | Disconnect) -> None:
         """Leaves a command for the app loop."""
         self._queue.put((client_id, command))
+        self._has_news.set()
+
+    def wait(self, seconds: float) -> None:
+        """Waits so long, or until a command comes; not at all if one came since the last wait."""
+        self._has_news.wait(seconds)
+        self._has_news.clear()
 
     def note_key(self, client_id: int, handle: viser.CommandHandle) -> None:
         """Remembers what can be asked by key or from the palette."""
