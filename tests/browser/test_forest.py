@@ -23,7 +23,7 @@ def test_arrangement_and_colour_are_chosen_by_list_and_by_key(dashboard, open_wi
     window.wait_for_text("expected return, by rank")
     window.page.locator("body").click(position={"x": 520, "y": 20})
     window.page.keyboard.press("l")
-    window.wait_for_text("the state now, and the way there")
+    window.wait_for_text("state now, and the way there")
     axes = [window.view.spec.features[i].name for i in window.view.look.axes]
     assert window.field("Across").input_value() == axes[0]
     other = next(f.name for f in window.view.spec.features if f.name not in axes)
