@@ -163,19 +163,19 @@ class Browser:
         *,
         is_ready: bool,
     ) -> None:
-        self.picture_key = None
-        self._picture = None
-        if not is_ready:
-            return
-        if view.forest is not None and view.spec is not None:
+        picture, picture_key = None, None
+        if is_ready and view.forest is not None and view.spec is not None:
             key, back = view.forest_key, view.back
             if back is not None:
                 key = (f"past {key[0]}", *key[1:])
                 forest = back.moment.view
-                self._picture = gallery.get_past(key, back.past, forest, view.spec, view.look)
+                picture = gallery.get_past(key, back.past, forest, view.spec, view.look)
             else:
-                self._picture = gallery.get(key, view.forest, view.spec, view.look)
-            self.picture_key = (key, view.look)
+                picture = gallery.get(key, view.forest, view.spec, view.look)
+            picture_key = (key, view.look)
+        self._picture, self.picture_key = picture, picture_key
+        if not is_ready:
+            return
         lens = self._eye.look()
         drawn, decision = self._overlay_of(view, ahead, answer)
         self._close_up = self._focus.get(

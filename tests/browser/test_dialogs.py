@@ -15,6 +15,8 @@ def opened(window: Window, key: str, dialog: Dialog) -> None:
     window.page.keyboard.press(key)
     window.wait(lambda: window.view.dialog is dialog, f"the dialog {dialog.value}")
     window.page.get_by_role("dialog").wait_for()
+    if dialog is Dialog.HELP:
+        window.page.locator(".ao-help kbd").first.wait_for()
 
 
 def test_a_run_starts_with_typed_settings_and_changes_under_way(dashboard, open_window: Open):
@@ -49,7 +51,6 @@ def test_a_run_starts_with_typed_settings_and_changes_under_way(dashboard, open_
 def test_help_lists_exactly_the_keys_of_the_guide(dashboard, open_window: Open):
     window = open_window(dashboard)
     opened(window, "Shift+?", Dialog.HELP)
-    window.page.locator(".ao-help kbd").first.wait_for()
     shown = set(window.page.locator(".ao-help kbd").all_inner_texts())
     table = GUIDE.read_text("utf-8").split("## Keys")[1].split("\n## ")[0]
     rows = [line.split("|")[1:-1] for line in table.splitlines() if line.startswith("|")][2:]

@@ -25,7 +25,7 @@ def test_arrangement_and_colour_are_chosen_by_list_and_by_key(dashboard, open_wi
     window.page.keyboard.press("l")
     window.wait_for_text("state now, and the way there")
     axes = [window.view.spec.features[i].name for i in window.view.look.axes]
-    assert window.field("Across").input_value() == axes[0]
+    window.wait(lambda: window.field("Across").input_value() == axes[0], "the axis in its field")
     other = next(f.name for f in window.view.spec.features if f.name not in axes)
     window.choose("Across", other)
     window.wait(
@@ -117,4 +117,7 @@ def test_the_slider_says_the_step_of_the_decision_that_is_shown(dashboard, open_
     window.wait(lambda: window.view.transport.position == 30, "the step")
     window.wait(lambda: not window.view.transport.is_playing, "the replay to hold")
     window.page.wait_for_timeout(2500)
-    assert window.field("Step").input_value() == str(window.view.transport.position)
+    window.wait(
+        lambda: window.field("Step").input_value() == str(window.view.transport.position),
+        "the step in its field",
+    )

@@ -74,7 +74,7 @@ def test_the_theme_follows_the_system_until_chosen_and_is_remembered(
     wait_for_theme(again, Theme.DARK)
     again.page.keyboard.press("Shift+?")
     again.page.get_by_role("dialog").wait_for()
-    assert again.field("Theme").input_value() == "dark"
+    again.wait(lambda: again.field("Theme").input_value() == "dark", "what was chosen")
     again.choose("Theme", "as the system")
     wait_for_theme(again, Theme.LIGHT)
 
