@@ -6,6 +6,7 @@ import numpy as np
 from PIL import Image
 
 from ao2viz.explain.contrast import explain_why_not, tell_why_not
+from ao2viz.explain.words import number
 from ao2viz.figures.palette import PATH
 from ao2viz.ui.tones import to_albedo
 from tests.browser.conftest import Open, Window
@@ -221,8 +222,11 @@ def test_why_not_each_other_action_opens_to_what_stood_against_it(dashboard, ope
     window.wait(lambda: window.view.transport.position == 0, "the first step")
     view = window.view
     (other,) = {0, 1} - {view.decision.action}
-    told = tell_why_not(explain_why_not(view.decision, other, view.forest), view.spec)
-    summary = window.page.locator("summary", has_text=f"{view.spec.action_names[other]}: ")
+    why_not = explain_why_not(view.decision, other, view.forest)
+    told = tell_why_not(why_not, view.spec)
+    # Of this step: that of the one before it may still stand there.
+    words = f"{view.spec.action_names[other]}: {number(abs(why_not.advantage))} "
+    summary = window.page.locator("summary", has_text=words)
     summary.wait_for()
     assert told not in window.text()
     summary.focus()
