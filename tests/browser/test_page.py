@@ -55,8 +55,10 @@ def test_the_theme_follows_the_system_until_chosen_and_is_remembered(
 ):
     system = context_of(browser, "light")
     window = open_window(dashboard, context=system)
+    window.hold()
     wait_for_theme(window, Theme.LIGHT)
     other = open_window(dashboard)
+    other.hold()
     wait_for_theme(other, Theme.DARK)
 
     window.press("Dark")
