@@ -68,16 +68,14 @@ class Chunks:
     def show(self, picture: Picture | None, without: tuple[int, ...]) -> None:
         """Has a picture shown by the next calls of `work`, all but the options `without`."""
         before, self._picture = self._picture, picture
-        if picture is None:
-            self._stale.clear()
         self._clear(before, picture)
+        if picture is None or before is None or _kind_of(before) is not _kind_of(picture):
+            self._stale.clear()
         if picture is None:
             return
         self._sizes = picture.drawn_sizes
         if without and picture.detail is Detail.ROOTS:
             self._sizes = np.where(np.isin(picture.drawn, without), 0, self._sizes)
-        if before is None or _kind_of(before) is not _kind_of(picture):
-            self._stale.clear()
         # Those that have waited the longest come first, so that none waits for ever.
         waiting = [number for number in self._stale if number * CHUNK < len(picture.drawn)]
         known = set(waiting)

@@ -9,6 +9,7 @@ from typing import Any, NamedTuple
 import viser
 
 from ao2viz.ui.commands import Command, Pick
+from ao2viz.ui.security import set_value
 
 
 @dataclass(frozen=True)
@@ -133,7 +134,8 @@ def on_change(
     async def _(event: viser.GuiEvent) -> None:
         if event.client is None:  # Assigned by `sync`, not by a person.
             return
-        command = to_command(event.target.value)
+        # As the control holds it, which has whole numbers for some that a browser sends.
+        command = to_command(type(event.target.value)(set_value()))
         if command is not None:
             inbox.put(client_id, command)
 

@@ -57,6 +57,7 @@ _ALLOWED = (
     messages.LocalStorageGetItemResponseMessage,
 )
 _query: ContextVar[str] = ContextVar("query", default="")
+_value: ContextVar[Any] = ContextVar("value")
 _constructing = threading.Lock()  # `serve` is swapped for the whole process while one is built.
 
 
@@ -137,6 +138,14 @@ class Gate:
 def asked_query() -> str:
     """What the address of the browser that connects asks for; only within `on_client_connect`."""
     return _query.get()
+
+
+def set_value() -> Any:
+    """What a person has set a control to; only within its `on_update`, awaited.
+
+    The control itself may show something else by then, which another thread has assigned.
+    """
+    return _value.get()
 
 
 def make_token() -> str:
@@ -242,6 +251,8 @@ def _guard(handler: infra.WebsockMessageHandler, gui: viser.GuiApi | None) -> No
 
     async def filtered(client_id: infra.ClientId, message: Message) -> None:
         if is_harmless(message, gui):
+            if isinstance(message, messages.GuiUpdateMessage):
+                _value.set(message.updates["value"])
             await behind(handler, client_id, message)
 
     handler._handle_incoming_message = filtered

@@ -36,7 +36,7 @@ for (const kind of [WebGLRenderingContext, WebGL2RenderingContext]) {
 }
 """
 SIZE = {"width": 1440, "height": 810}
-PATIENCE_S = 60.0  # A busy processor that draws several playing pages lets them wait for long.
+PATIENCE_S = 30.0
 HINT_KEY = f"viser-user:{KEY}"  # Viser puts its prefix before what servers store.
 
 

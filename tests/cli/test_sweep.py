@@ -166,14 +166,7 @@ def test_a_killed_sweep_goes_on_with_what_is_missing(cli: Cli, notes: Path, tmp_
 def test_an_interrupt_of_its_workers_alone_ends_nothing(notes: Path, tmp_path: Path) -> None:
     """In a terminal Ctrl-C reaches them too, at work or not; only the command decides on it."""
     (notes / "be slow").touch()
-    process = subprocess.Popen(
-        [sys.executable, "-m", "ao2viz", "sweep", "noting:Noting-v0", "--seeds", "0:4", *SMALL],
-        cwd=tmp_path,
-        env=environment(tmp_path),
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    )
+    process = start(tmp_path, "sweep", "noting:Noting-v0", "--seeds", "0:4", *SMALL)
     while len(workers := {int(note.name.split("-")[0]) for note in notes.glob("*-*")}) < 2:
         assert process.poll() is None, process.communicate()
         time.sleep(0.02)

@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from ao2viz.core.decision import NO_OPTION
 from ao2viz.core.forest import ForestView
+from ao2viz.figures.coloring import Coloring
 from ao2viz.layout.discs import lay_out
 from ao2viz.ui import chunks, detail
 from ao2viz.ui.chunks import AT_A_TIME, CHUNK, _Dots
@@ -307,7 +308,10 @@ def test_who_comes_late_sees_what_the_others_see(
         is_alive &= (rng.random(n) < 0.95) | (forest.parents == NO_OPTION)
         then = replace(forest, is_alive=is_alive)
         order = rng.permutation(n) if rng.random() < 0.3 else None
-        look = Look(arrangement=Arrangement.CONES if rng.random() < 0.2 else Arrangement.DISCS)
+        look = Look(
+            arrangement=Arrangement.CONES if rng.random() < 0.2 else Arrangement.DISCS,
+            coloring=Coloring.VALUE if rng.random() < 0.3 else Coloring.ACTION,
+        )
         picture = draw(then, grounds[id(forest)], SPEC, look, order=order)
         wire.canvas.sync(picture, None, None)  # The rest of it may never be sent.
     wire.show(picture)
@@ -317,6 +321,21 @@ def test_who_comes_late_sees_what_the_others_see(
     n_wanted = int(np.count_nonzero(picture.sizes))
     if detail_for(n_wanted) is Detail.DOTS:
         assert len(wire.shown()) == n_wanted
+
+
+def test_dots_that_only_change_colour_or_place_are_sent_again(few, wire: Wired):
+    view = random_view(80)
+    here, there = lay_out(view), lay_out(view, None, 1.7)
+    for ground, coloring in (
+        (here, Coloring.ACTION),
+        (here, Coloring.AGE),
+        (there, Coloring.AGE),
+    ):
+        picture = draw(view, ground, SPEC, Look(coloring=coloring))
+        assert picture.detail is Detail.DOTS
+        wire.show(picture)
+        dots = np.c_[picture.positions[:, :2], picture.colors].tolist()
+        assert {(x, y, *color) for x, y, _, *color in wire.shown()} == set(map(tuple, dots))
 
 
 def test_a_move_through_the_past_sends_what_came_or_went(wire: Wired):

@@ -18,6 +18,8 @@ import websockets.asyncio.server
 from websockets.exceptions import InvalidStatus
 
 from ao2viz.ui import security
+from ao2viz.ui.commands import Seek
+from ao2viz.ui.inbox import Inbox, on_change
 from ao2viz.ui.security import is_harmless, is_offered, make_server
 
 SUBPROTOCOL = websockets.Subprotocol(f"viser-v{viser.__version__}")
@@ -225,6 +227,22 @@ def test_only_offered_values_reach_a_handle_over_the_wire(server):
     while slider.value != 6 and time.monotonic() < deadline:
         time.sleep(0.05)
     assert slider.value == 6
+
+
+def test_what_a_person_sets_is_taken_though_a_playing_episode_moves_the_control_on(server):
+    slider, inbox = server.gui.add_slider("Step", 0, 100, 1, 5), Inbox()
+
+    @slider.on_update
+    async def _(event: viser.GuiEvent) -> None:
+        if event.client is not None:
+            slider.value = 17  # As the app loop may, in a thread of its own.
+
+    on_change(slider, Seek, 1, inbox)
+    update = {"type": "GuiUpdateMessage", "uuid": slider._impl.uuid, "updates": {"value": 3}}
+    say(server.get_port(), CAMERA, update)
+    inbox.wait(5.0)
+    assert inbox.drain() == [(1, Seek(3))]
+    assert slider.value == 17
 
 
 def test_a_browser_reaches_its_own_handles_and_nobody_elses():
