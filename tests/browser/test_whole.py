@@ -44,7 +44,8 @@ def test_it_is_read_and_leads_to_moments_and_options(dashboard, open_window: Ope
     option.click()
     window.wait(lambda: window.view.selected == chosen, "the option")
     window.wait(lambda: "Counting" not in window.text(), "the rest to be counted", 120)
-    assert window.text().count("Faithfulness, tried at") == 2  # Beside the one under Why.
+    # Beside the one under Why.
+    window.wait(lambda: window.text().count("Faithfulness, tried at") == 2, "how faithful it is")
     # Nothing is left to be counted: now the key only opens the tab.
     window.page.get_by_role("tab", name="Inspect").click()
     window.wait(lambda: tab.get_attribute("aria-selected") == "false", "another tab")
