@@ -203,7 +203,8 @@ def _check(name: str, value: Any, default: Any) -> Any:
         return value
     low, high = _RANGES[name]
     whole = isinstance(default, int)
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    is_number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not is_number or (isinstance(value, float) and not math.isfinite(value)):
         raise ValueError(f"Expected {name} to be a finite number, but got {value!r}.")
     if whole and value != int(value):
         raise ValueError(f"Expected {name} to be a whole number, but got {value!r}.")

@@ -20,6 +20,7 @@ from ao2viz.envs.catalogue import CATALOGUE, Entry, Feature
 # Torques of a one-dimensional action, then values per axis for two and three dimensions.
 DEFAULT_ACTION_BINS = {1: 5, 2: 3, 3: 3}
 MAX_ACTION_BINS = 101
+_LONGEST_ID = 200
 # Every option owns every action: more would be too many to learn, and to read.
 MAX_ACTIONS = 1_000
 # A box of features is divided into about 2**10.6, some 1,500, finest cells.
@@ -66,6 +67,11 @@ def make_env(env_id: str, *, render: bool = False) -> gym.Env:
     Raises:
         ValueError: If Gymnasium does not know the id or cannot make it; says what is near.
     """
+    if len(env_id) > _LONGEST_ID:
+        raise ValueError(
+            f"Expected an environment id of at most {_LONGEST_ID} characters, "
+            f"but got {len(env_id):,}."
+        )
     if render:
         _draw_without_a_screen()
     try:

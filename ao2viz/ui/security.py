@@ -32,8 +32,10 @@ from ao2viz.ui.shelf import MAX_UPLOAD_BYTES
 
 MAX_MESSAGE_BYTES = 1_000_000
 """People send clicks and short texts; nothing near this."""
-MAX_TEXT = 200
-"""Characters in a text field."""
+MAX_TEXT = 2_000
+"""Characters in a text field; more are ignored. Each field tells what is too long for it earlier."""
+MAX_FILE_NAME = 255
+"""Characters in the name of an uploaded file."""
 MAX_UPLOADS = 2
 """Files that one browser may be sending at a time."""
 MAX_BROWSERS = 32
@@ -285,7 +287,7 @@ def _may_begin(message: messages.FileTransferStartUpload, gui: viser.GuiApi) -> 
     states = gui._current_file_upload_states
     while len(states) >= MAX_UPLOADS:  # The oldest was given up; a browser tells of no such thing.
         states.pop(next(iter(states)))
-    return 0 < parts <= 1 + size // _SMALLEST_PART and len(str(message.filename)) <= MAX_TEXT
+    return 0 < parts <= 1 + size // _SMALLEST_PART and len(str(message.filename)) <= MAX_FILE_NAME
 
 
 def _is_next_part(message: messages.FileTransferPart, gui: viser.GuiApi) -> bool:

@@ -108,5 +108,5 @@ def read(text: str) -> Any:
     """A typed value: JSON where it can be, else plain words, as `--set` reads it."""
     try:
         return json.loads(text.strip().replace("−", "-"))
-    except (json.JSONDecodeError, RecursionError):
+    except (ValueError, RecursionError):  # No JSON, or a number of thousands of digits.
         return text.strip()

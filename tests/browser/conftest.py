@@ -132,7 +132,9 @@ class Window:
         """Stops a playing episode and waits until the page has caught up."""
         if self.view.transport.is_playing:
             # By key: Playwright clicks only what stands still for two frames, and a page that
-            # the processor draws while it plays may take long for two frames.
+            # the processor draws while it plays may take long for two frames. In a field, as after
+            # a choice from a list, the key would be a letter.
+            self.page.evaluate("document.activeElement.blur()")
             self.page.keyboard.press("p")
         self.wait(lambda: not self.view.transport.is_playing, "the replay to hold")
         self.wait_for_text(self.view.notice or f"{self.view.decision.path[-1]}")

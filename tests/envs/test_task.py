@@ -56,6 +56,11 @@ def test_cartpole_v0_is_made_without_a_warning(recwarn):
     assert not [w for w in recwarn if "out of date" in str(w.message)]
 
 
+def test_what_is_far_too_long_for_an_id_is_not_repeated():
+    with pytest.raises(ValueError, match=r"^Expected .* at most 200 characters, but got 1,999\.$"):
+        make_env("x" * 1999)
+
+
 def test_unknown_environments_get_plain_names_and_their_own_ranges():
     spec = describe(make_env("Corridor-v0"))
     assert [f.name for f in spec.features] == ["feature 0", "feature 1"]

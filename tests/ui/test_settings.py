@@ -56,6 +56,8 @@ def test_a_run_starts_with_what_was_typed_and_differs(world):
         ("slip", "NaN", "Expected slip to be a finite number, but got nan."),
         ("slip", "much", "Expected slip to be a finite number, but got 'much'."),
         ("slip", "[" * 5000, "Expected slip to be a finite number, but got"),
+        ("slip", "9" * 400, "Expected slip between 0 and 1, but got 999"),
+        ("slip", "9" * 5000, "Expected slip to be a finite number, but got '999"),
         ("slip", "true", "Expected slip to be a finite number, but got True."),
         ("decide_by", "luck", "Expected decide_by to be one of 'vote', 'path', but got 'luck'."),
     ],
