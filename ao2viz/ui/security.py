@@ -33,7 +33,7 @@ from ao2viz.ui.shelf import MAX_UPLOAD_BYTES
 MAX_MESSAGE_BYTES = 1_000_000
 """People send clicks and short texts; nothing near this."""
 MAX_TEXT = 2_000
-"""Characters in a text field; more are ignored. Each field tells what is too long for it earlier."""
+"""Characters in a text field; more are ignored. Fields tell earlier what is too long for them."""
 MAX_FILE_NAME = 255
 """Characters in the name of an uploaded file."""
 MAX_UPLOADS = 2
