@@ -96,7 +96,7 @@ def _rows(
     rows.append(_key("path", "path to the most similar option"))
     if look.arrangement is Arrangement.STATE_SPACE:
         rows.append(_key("now", "state now, and the way there"))
-    rows.append(_key("ahead", "where it expects to go"))
+    rows.append(_key("ahead", "its expected way (thin: later)"))
     rows.append(_key("vote", "paths of other voters, by share"))
     rows.append(_key("ring", "selected (click any option)"))
     return rows

@@ -19,6 +19,10 @@ from ao2viz.ui.picture import Picture
 SHARE_LEVELS = 3
 """Other voters' paths come in so many widths, the widest for the biggest shares."""
 
+AHEAD_LEVELS = 3
+"""The imagined way comes in so many widths, the widest first: a long one stays readable."""
+
+_LATER = (8, 24)  # After so many moves of it, the imagined way is drawn thinner.
 _TRAIL = 40  # So many of the latest states are joined to a line.
 _FOLDED_LABELS = 8
 _DASHES = 110  # Of the imagined way, side by side across the whole picture.
@@ -60,7 +64,7 @@ class Overlay:
     now: NDArray[np.float32] | None  # [3] in the state space: where the state is.
     trail: NDArray[np.float32]  # [T, 2, 3] in the state space: the way there.
     axes: NDArray[np.float32]  # [A, 2, 3] in the state space: axes with their ticks.
-    ahead: NDArray[np.float32]  # [I, 2, 3] dashes along the imagined way.
+    ahead: tuple[NDArray[np.float32], ...]  # [I, 2, 3] dashes of the imagined way, by width.
     ahead_end: NDArray[np.float32] | None  # [3] where that ends.
     labels: tuple[Label, ...]  # The most important first.
 
@@ -125,10 +129,11 @@ def _imagined_way(
     return picture.positions[options[moves]]
 
 
-def _dashes(way: NDArray[np.float32], picture: Picture) -> NDArray[np.float32]:
-    """[I, 2, 3] the way in dashes; what is gone more than once is drawn once."""
+def _dashes(way: NDArray[np.float32], picture: Picture) -> tuple[NDArray[np.float32], ...]:
+    """[I, 2, 3] the way in dashes, by width; what is gone more than once is drawn once."""
+    dashes: list[list[NDArray]] = [[np.empty((0, 2, 3))] for _ in range(AHEAD_LEVELS)]
     if len(way) < 2:
-        return np.empty((0, 2, 3), np.float32)
+        return tuple(np.concatenate(level).astype(np.float32) for level in dashes)
     legs = np.stack([way[:-1], way[1:]], axis=1)
     ordered = np.where((legs[:, :1] > legs[:, 1:]).any(axis=2, keepdims=True), legs[:, ::-1], legs)
     _, first = np.unique(ordered.round(4).reshape(len(legs), 6), axis=0, return_index=True)
@@ -137,12 +142,13 @@ def _dashes(way: NDArray[np.float32], picture: Picture) -> NDArray[np.float32]:
         axis=0
     )
     dash = float(box.max()) / _DASHES
-    dashes = []
-    for start, end in legs[np.sort(first)]:
+    for leg in np.sort(first):
+        start, end = legs[leg]
         count = max(1, min(_DASHES, round(float(np.linalg.norm(end - start)) / dash / 2)))
         at = (np.arange(count)[:, None] + np.array([0.0, 0.55])) / count
-        dashes.append(start + (end - start) * at[..., None])
-    return np.concatenate(dashes).astype(np.float32)
+        level = int(np.searchsorted(_LATER, leg, side="right"))
+        dashes[level].append(start + (end - start) * at[..., None])
+    return tuple(np.concatenate(level).astype(np.float32) for level in dashes)
 
 
 def _ahead_label(ahead: Ahead) -> str:

@@ -23,7 +23,7 @@ from ao2viz.ui.nodes import (
     paint,
     place,
 )
-from ao2viz.ui.overlay import SHARE_LEVELS, Overlay
+from ao2viz.ui.overlay import AHEAD_LEVELS, SHARE_LEVELS, Overlay
 from ao2viz.ui.picture import Picture
 from ao2viz.ui.tones import LIGHT
 
@@ -32,6 +32,7 @@ _PATH_ROOM = 32  # For most paths; the nodes of longer ones get more, as all of 
 _VOTERS = 64
 _DISCS = 64
 _THIN_PX = (1.2, 2.0, 3.0)
+_AHEAD_PX = (3.0, 1.8, 1.0)
 _RING_GROWTH = 1.7  # A ring seen aslant has to be bigger than a halo.
 # Heights above the plane: what explains lies over what is explained.
 (_Z_DISC, _Z_EDGE, _Z_TRAIL, _Z_VOTE, _Z_VOTER, _Z_PATH, _Z_AHEAD, _Z_HALO, _Z_CORE, _Z_RING) = (
@@ -73,7 +74,10 @@ class Canvas:
         self._trail = add_lines(scene, "/now/trail", colors.selected, 1.5)
         self._now = add_batch(scene, "/now/state", DIAMOND, 2, colors.selected)
         paint(self._now, np.array([colors.selected, colors.path], np.uint8))
-        self._ahead = add_lines(scene, "/ahead/line", colors.imagined, 3.0)
+        self._ahead = [
+            add_lines(scene, f"/ahead/line/{level}", colors.imagined, _AHEAD_PX[level])
+            for level in range(AHEAD_LEVELS)
+        ]
         self._ahead_end = add_batch(scene, "/ahead/end", DIAMOND, 1, colors.imagined)
         self._axes = add_lines(scene, "/axes", colors.axis, 1.5)
         self._lettering = Lettering(scene)
@@ -88,7 +92,7 @@ class Canvas:
                 (self._path, colors.path),
                 (self._schema, colors.edge),
                 (self._trail, colors.selected),
-                (self._ahead, colors.imagined),
+                *((lines, colors.imagined) for lines in self._ahead),
                 (self._axes, colors.axis),
             ):
                 lines.colors = np.array(color, np.uint8)
@@ -166,9 +170,10 @@ class Canvas:
             (self._schema, None if overlay is None else overlay.schema, _Z_EDGE),
             (self._trail, None if overlay is None else overlay.trail, _Z_TRAIL),
             (self._axes, None if overlay is None else overlay.axes, _Z_EDGE),
-            (self._ahead, None if overlay is None else overlay.ahead, _Z_AHEAD),
         ):
             draw_lines(handle, nothing if lines is None else lines, height)
+        for level, handle in enumerate(self._ahead):
+            draw_lines(handle, nothing if overlay is None else overlay.ahead[level], _Z_AHEAD)
         end = None if overlay is None else overlay.ahead_end
         self._ahead_end.visible = end is not None
         if end is not None:

@@ -41,8 +41,8 @@ def test_where_it_expects_to_go_is_told_and_can_be_hidden(dashboard, open_window
     window.press("First step")
     window.wait_for_text("steps ahead", 60)
     browser = window.dashboard._browsers[window._client_id]
-    window.wait(lambda: len(browser._overlay[1].ahead) > 0, "the imagined path")
+    window.wait(lambda: len(browser._overlay[1].ahead[0]) > 0, "the imagined path")
     window.page.locator("body").click(position={"x": 520, "y": 20})
     window.page.keyboard.press("r")
-    window.wait(lambda: len(browser._overlay[1].ahead) == 0, "it to be hidden")
+    window.wait(lambda: len(browser._overlay[1].ahead[0]) == 0, "it to be hidden")
     window.wait(lambda: "steps ahead" not in window.text(), "its words to go")

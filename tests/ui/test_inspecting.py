@@ -204,16 +204,31 @@ def test_the_imagined_path_is_drawn_from_the_option_that_decided(agent, saved):
     picture = draw(view, lay_out(view), saved.spec, Look())
     drawn = overlay(Moment(made, ahead=way), picture, view, saved.spec)
     np.testing.assert_array_equal(drawn.ahead_end, picture.positions[way.stretches[-1][0].option])
-    np.testing.assert_allclose(drawn.ahead[0, 0], picture.positions[made.path[-1]], atol=1e-5)
+    np.testing.assert_allclose(drawn.ahead[0][0, 0], picture.positions[made.path[-1]], atol=1e-5)
     (told,) = (label for label in drawn.labels if label.text == "expects 30.0 in 30 steps")
     # Wherever it ends, a small screen has room for that.
     narrow = Lens(np.array([0.0, 0.0, 100.0]), np.diag([1.0, -1.0, -1.0]), 0.6, (376.0, 768.0))
     for x in np.linspace(-15, 15, 9):
         assert choose_sides((replace(told, position=(x, 0.0, 0.0)),), drawn, narrow) != [None]
-    lengths = np.linalg.norm(drawn.ahead[:, 1] - drawn.ahead[:, 0], axis=1)
+    dashes = np.concatenate(drawn.ahead)
+    lengths = np.linalg.norm(dashes[:, 1] - dashes[:, 0], axis=1)
     assert (lengths > 0).all()
-    assert len(np.unique(drawn.ahead.round(4), axis=0)) == len(drawn.ahead)  # Nothing twice.
-    assert len(overlay(Moment(made), picture, view, saved.spec).ahead) == 0
+    assert len(np.unique(dashes.round(4), axis=0)) == len(dashes)  # Nothing twice.
+    nothing = overlay(Moment(made), picture, view, saved.spec).ahead
+    assert [len(level) for level in nothing] == [0, 0, 0]
+
+
+def test_a_long_imagined_way_is_thinner_the_later(agent, saved):
+    view, made = saved.forest_view(), saved.episodes[0].decisions[3]
+    look = Look(arrangement=Arrangement.STATE_SPACE, axes=(2, 3))
+    picture = draw(view, fit_axes(view.values, (2, 3)), saved.spec, look)
+    lengths = []
+    for steps in (4, 8, 9, 24, 25, 60):  # In the state space a step is a move.
+        way = look_ahead(agent.explain.mind, made.observation, steps)
+        near, later, last = overlay(Moment(made, ahead=way), picture, view, saved.spec).ahead
+        assert (len(later) > 0, len(last) > 0) == (steps > 8, steps > 24)
+        lengths.append(len(near))
+    assert 0 < lengths[0] < lengths[1] == lengths[-1]
 
 
 def test_in_the_state_space_the_imagined_states_are_drawn(agent, saved):
