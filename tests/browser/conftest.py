@@ -16,7 +16,8 @@ from ao2viz.ui.appearance import KEY
 from ao2viz.ui.view import View
 
 # WebGL is drawn by the processor, and only WebGL: the rest of the page is put together without it,
-# which takes a tenth of the time. Nothing is fetched from anywhere.
+# which takes a tenth of the time (measured: 0.4 for 3.6 s of the processor to open a page). Nothing
+# is fetched from anywhere.
 FLAGS = [
     "--no-sandbox",
     "--use-gl=angle",
