@@ -193,13 +193,13 @@ def test_illegal_commands_are_answered_in_words(make, kind):
 @pytest.mark.parametrize("kind", BACKGROUND)
 def test_commands_are_heard_while_training_is_slow(make, kind):
     runner = make(kind)
-    runner.submit(SetSpeed(2.0))
+    runner.submit(SetSpeed(0.1))
     runner.submit(Start("CartPole-v1"))
     wait_for(runner, RunStatus.RUNNING)
     began = time.monotonic()
     runner.submit(Pause())
     wait_for(runner, RunStatus.PAUSED)
-    assert time.monotonic() - began < 0.4, "It waited for the next step."
+    assert time.monotonic() - began < 4, "It waited for the next step, ten seconds later."
 
 
 def test_a_killed_worker_shows_as_failed_and_start_makes_a_new_one(make):
@@ -312,9 +312,9 @@ def test_showing_costs_training_little(monkeypatch):
 
     def timed(self):
         nonlocal spent
-        began = time.perf_counter()
+        began = time.thread_time()  # Other work on the machine is not in it.
         update = make(self)
-        spent += time.perf_counter() - began
+        spent += time.thread_time() - began
         return update
 
     monkeypatch.setattr(Worker, "update", timed)
@@ -322,14 +322,14 @@ def test_showing_costs_training_little(monkeypatch):
     worker.handle(Start("CartPole-v1", total_steps=6000))
     while worker.status is RunStatus.PREPARING:
         worker.advance(0)
-    began, spent = time.perf_counter(), 0.0
+    began, spent = time.thread_time(), 0.0
     updates = []
 
     def receive(wait_s):
         return None if worker.status is RunStatus.FINISHED else []
 
     serve.serve(worker, receive, updates.append)
-    took = time.perf_counter() - began
+    took = time.thread_time() - began
     assert len(updates) >= 3
     assert spent < 3 * (1 - USUAL_LEARNING) * took
 
