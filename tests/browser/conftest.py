@@ -29,6 +29,15 @@ FLAGS = [
     "--disable-component-update",
     "--disable-sync",
 ]
+# Viser warns of WebGL that is drawn by the processor, over the canvas, unless it cannot know.
+WITHOUT_WARNING = """
+for (const kind of [WebGLRenderingContext, WebGL2RenderingContext]) {
+  const get = kind.prototype.getExtension;
+  kind.prototype.getExtension = function (name) {
+    return name === 'WEBGL_debug_renderer_info' ? null : get.call(this, name);
+  };
+}
+"""
 # Keeps the page's own drawing from eating the processor where a test needs no pixels.
 WITHOUT_DRAWING = """
 for (const kind of [WebGLRenderingContext, WebGL2RenderingContext]) {
@@ -130,7 +139,7 @@ class Window:
         self.wait(lambda: words in self.text(), repr(words), patience_s)
 
     def hold(self) -> None:
-        """Stops a playing episode and waits until the page has caught up."""
+        """Stops a playing episode at a decision and waits until the page has caught up."""
         if self.view.transport.is_playing:
             # By key: Playwright clicks only what stands still for two frames, and a page that
             # the processor draws while it plays may take long for two frames. In a field, as after
@@ -138,6 +147,9 @@ class Window:
             self.page.evaluate("document.activeElement.blur()")
             self.page.keyboard.press("p")
         self.wait(lambda: not self.view.transport.is_playing, "the replay to hold")
+        if self.view.decision is None and self.view.transport.last:
+            self.press("First step")  # A slow machine has played it to its end meanwhile.
+            self.wait(lambda: self.view.decision is not None, "the first decision")
         self.wait_for_text(self.view.notice or f"{self.view.decision.path[-1]}")
 
 
@@ -177,6 +189,7 @@ def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path
         pages.append(page)
         page.on("console", listen)
         page.on("pageerror", lambda error: errors.append(str(error)))
+        page.add_init_script(WITHOUT_WARNING)
         if not draws:
             page.add_init_script(WITHOUT_DRAWING)
         page.goto(dashboard.address + (f"?{query}" if query else ""))
@@ -185,16 +198,6 @@ def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path
         window.wait(lambda: set(dashboard.views) > known, "the browser to be known")
         window._client_id = (set(dashboard.views) - known).pop()
         page.get_by_role("button", name="Start", exact=True).wait_for()
-        # Viser tells that WebGL is drawn by the processor; the notice slides in, so it is not
-        # clicked like a button that stands still.
-        notice = page.locator("button.mantine-Notification-closeButton")
-        page.wait_for_timeout(300)
-        while notice.count():
-            page.evaluate(
-                "document.querySelectorAll('button.mantine-Notification-closeButton')"
-                ".forEach(button => button.click())"
-            )
-            page.wait_for_timeout(300)
         return window
 
     yield open_one
