@@ -140,12 +140,11 @@ class Window:
 
     def hold(self) -> None:
         """Stops a playing episode at a decision and waits until the page has caught up."""
-        if self.view.transport.is_playing:
-            # By key: Playwright clicks only what stands still for two frames, and a page that
-            # the processor draws while it plays may take long for two frames. In a field, as after
-            # a choice from a list, the key would be a letter.
-            self.page.evaluate("document.activeElement.blur()")
-            self.page.keyboard.press("p")
+        button = self.page.get_by_role("button", name="Hold", exact=True)
+        self.wait(lambda: not self.view.transport.is_playing or button.count() > 0, "a button")
+        # Playwright's own click wants the button to stand still for two frames, and a page that
+        # the processor draws while it plays may take long for two frames.
+        button.evaluate_all("all => all.forEach((button) => button.click())")
         self.wait(lambda: not self.view.transport.is_playing, "the replay to hold")
         if self.view.decision is None and self.view.transport.last:
             self.press("First step")  # A slow machine has played it to its end meanwhile.
