@@ -19,10 +19,10 @@ from ao2viz.ui.picture import Picture
 SHARE_LEVELS = 3
 """Other voters' paths come in so many widths, the widest for the biggest shares."""
 
-AHEAD_LEVELS = 3
+_LATER = (8, 24)  # After so many moves of it, the imagined way is drawn thinner.
+AHEAD_LEVELS = len(_LATER) + 1
 """The imagined way comes in so many widths, the widest first: a long one stays readable."""
 
-_LATER = (8, 24)  # After so many moves of it, the imagined way is drawn thinner.
 _TRAIL = 40  # So many of the latest states are joined to a line.
 _FOLDED_LABELS = 8
 _DASHES = 110  # Of the imagined way, side by side across the whole picture.
@@ -131,9 +131,9 @@ def _imagined_way(
 
 def _dashes(way: NDArray[np.float32], picture: Picture) -> tuple[NDArray[np.float32], ...]:
     """[I, 2, 3] the way in dashes, by width; what is gone more than once is drawn once."""
-    dashes: list[list[NDArray]] = [[np.empty((0, 2, 3))] for _ in range(AHEAD_LEVELS)]
+    nothing = np.empty((0, 2, 3), np.float32)
     if len(way) < 2:
-        return tuple(np.concatenate(level).astype(np.float32) for level in dashes)
+        return (nothing,) * AHEAD_LEVELS
     legs = np.stack([way[:-1], way[1:]], axis=1)
     ordered = np.where((legs[:, :1] > legs[:, 1:]).any(axis=2, keepdims=True), legs[:, ::-1], legs)
     _, first = np.unique(ordered.round(4).reshape(len(legs), 6), axis=0, return_index=True)
@@ -142,6 +142,7 @@ def _dashes(way: NDArray[np.float32], picture: Picture) -> tuple[NDArray[np.floa
         axis=0
     )
     dash = float(box.max()) / _DASHES
+    dashes: list[list[NDArray]] = [[nothing] for _ in range(AHEAD_LEVELS)]
     for leg in np.sort(first):
         start, end = legs[leg]
         count = max(1, min(_DASHES, round(float(np.linalg.norm(end - start)) / dash / 2)))

@@ -1,7 +1,6 @@
 """A real Chromium on a real dashboard. A missing browser skips; where CI is set it fails."""
 
 import os
-import shutil
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -14,39 +13,8 @@ from ao2viz.training.runner import ThreadRunner
 from ao2viz.ui.app import Dashboard
 from ao2viz.ui.appearance import KEY
 from ao2viz.ui.view import View
+from benchmarks.chromium import NO_DRAWING, NO_WARNING, find, launch
 
-# WebGL is drawn by the processor, and only WebGL: the rest of the page is put together without it,
-# which takes a tenth of the time (measured: 0.4 for 3.6 s of the processor to open a page). Nothing
-# is fetched from anywhere.
-FLAGS = [
-    "--no-sandbox",
-    "--use-gl=angle",
-    "--use-angle=swiftshader",
-    "--enable-unsafe-swiftshader",
-    "--disable-gpu-compositing",
-    "--disable-background-networking",
-    "--no-first-run",
-    "--disable-component-update",
-    "--disable-sync",
-]
-# Viser warns of WebGL that is drawn by the processor, over the canvas, unless it cannot know.
-WITHOUT_WARNING = """
-for (const kind of [WebGLRenderingContext, WebGL2RenderingContext]) {
-  const get = kind.prototype.getExtension;
-  kind.prototype.getExtension = function (name) {
-    return name === 'WEBGL_debug_renderer_info' ? null : get.call(this, name);
-  };
-}
-"""
-# Keeps the page's own drawing from eating the processor where a test needs no pixels.
-WITHOUT_DRAWING = """
-for (const kind of [WebGLRenderingContext, WebGL2RenderingContext]) {
-  for (const name of ['clear', 'drawArrays', 'drawElements', 'drawArraysInstanced',
-                      'drawElementsInstanced', 'drawRangeElements']) {
-    if (kind.prototype[name]) kind.prototype[name] = function () {};
-  }
-}
-"""
 SIZE = {"width": 1440, "height": 810}
 PATIENCE_S = 30.0
 HINT_KEY = f"viser-user:{KEY}"  # Viser puts its prefix before what servers store.
@@ -69,15 +37,13 @@ def pytest_runtest_makereport(item: pytest.Item):
 @pytest.fixture(scope="module")
 def browser() -> Iterator[Browser]:
     """One for each module: Playwright keeps an event loop that would disturb other tests."""
-    path = shutil.which("chromium") or shutil.which("chromium-browser")
-    path = path or shutil.which("google-chrome")
-    if path is None:
+    if find() is None:
         problem = "No Chromium on this computer."
         if os.environ.get("CI"):
             pytest.fail(problem)
         pytest.skip(problem)
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=path, args=FLAGS)
+        browser = launch(playwright)
         yield browser
         browser.close()
 
@@ -188,9 +154,9 @@ def open_window(browser: Browser, request: pytest.FixtureRequest, tmp_path: Path
         pages.append(page)
         page.on("console", listen)
         page.on("pageerror", lambda error: errors.append(str(error)))
-        page.add_init_script(WITHOUT_WARNING)
+        page.add_init_script(NO_WARNING)
         if not draws:
-            page.add_init_script(WITHOUT_DRAWING)
+            page.add_init_script(NO_DRAWING)
         page.goto(dashboard.address + (f"?{query}" if query else ""))
         page.wait_for_selector("canvas")
         window = Window(page, dashboard, -1)

@@ -338,6 +338,20 @@ def test_dots_that_only_change_colour_or_place_are_sent_again(few, wire: Wired):
         assert {(x, y, *color) for x, y, _, *color in wire.shown()} == set(map(tuple, dots))
 
 
+def test_the_imagined_way_is_drawn_in_all_its_widths(wire: Wired):
+    view = random_view(20)
+    picture = draw(view, lay_out(view), SPEC, Look())
+    ahead = tuple(np.full((n, 2, 3), n, np.float32) for n in (3, 1, 2))
+    wire.show(picture, replace(overlay(Moment(None), picture, view, SPEC), ahead=ahead))
+    lines = wire.canvas._ahead
+    for handle, dashes in zip(lines, ahead, strict=True):
+        assert handle.visible
+        np.testing.assert_array_equal(handle.points[..., :2], dashes[..., :2])
+    assert lines[0].thickness > lines[1].thickness > lines[2].thickness
+    wire.show(picture, overlay(Moment(None), picture, view, SPEC))
+    assert not any(handle.visible for handle in lines)
+
+
 def test_a_move_through_the_past_sends_what_came_or_went(wire: Wired):
     """Not what stands beside it, and nothing a second time."""
     n = 40_000
